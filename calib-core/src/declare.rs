@@ -1,0 +1,254 @@
+//! What `#[derive(StateBlocks)]` calls at compile time: layout of the fields, and the rules across them.
+//!
+//! Not a public interface. A macro sees names, not types; what depends on types is a const function here, and
+//! the derive evaluates it in a constant with the span of the field it judges.
+
+use core::marker::PhantomData;
+
+use crate::{Block, BlockSet, ChannelGroup, Dynamics, Filter, Need, Real};
+
+mod rules;
+mod text;
+
+pub use rules::{filter, filter_field, group_field, measurement};
+pub use text::Text;
+
+/// A field of a declaration, as the rules see it.
+#[derive(Clone, Copy)]
+pub struct Part {
+    name: &'static str,
+    dim: usize,
+    set: BlockSet,
+    needs: &'static [Need],
+    relaxes: bool,
+    known: bool,
+    repeated: bool,
+    role: Role,
+}
+
+#[derive(Clone, Copy)]
+enum Role {
+    Block,
+    Base { declared: bool },
+}
+
+impl Part {
+    const UNKNOWN: Self = Self {
+        name: "",
+        dim: 0,
+        set: BlockSet::EMPTY,
+        needs: &[],
+        relaxes: false,
+        known: false,
+        repeated: false,
+        role: Role::Block,
+    };
+
+    /// The part as the field `name`.
+    pub const fn named(mut self, name: &'static str) -> Self {
+        self.name = name;
+        self
+    }
+
+    /// The part as a base, which must have been a filter and have had `measures`.
+    pub const fn base(mut self, measures: Option<&'static [usize]>) -> Self {
+        self.role = Role::Base { declared: measures.is_some() };
+        self
+    }
+
+    /// The part as one of which the macro itself has said that it stands there twice.
+    pub const fn repeated(mut self) -> Self {
+        self.repeated = true;
+        self
+    }
+
+    const fn is_base(&self) -> bool {
+        matches!(self.role, Role::Base { .. })
+    }
+}
+
+/// Looks a type up: [`PART`](Self::PART) is inherent where `B` is a block of the dynamics `D`, and comes from
+/// [`Undescribed`] where it is not. So a wrong type is reported once, where its block functions are called, and
+/// does not keep the rules from judging the other fields.
+pub struct Describe<B, D>(PhantomData<(B, D)>);
+
+impl<B: Block<Dynamics = D>, D: Dynamics> Describe<B, D> {
+    /// What the rules must know of `B`.
+    pub const PART: Part = Part {
+        name: "",
+        dim: B::DIM,
+        set: B::SET,
+        needs: B::NEEDS,
+        relaxes: B::RELAXES,
+        known: true,
+        repeated: false,
+        role: Role::Block,
+    };
+}
+
+/// See [`Describe`].
+pub trait Undescribed {
+    /// Nothing is known.
+    const PART: Part = Part::UNKNOWN;
+}
+
+impl<B, D> Undescribed for Describe<B, D> {}
+
+/// Looks a base up, as [`Describe`] does a block.
+pub struct Measured<B>(PhantomData<B>);
+
+impl<B: Filter> Measured<B> {
+    /// The measurements of the filter `B`.
+    pub const MEASURES: Option<&'static [usize]> = Some(B::MEASURES);
+}
+
+/// See [`Measured`].
+pub trait Unmeasured {
+    /// It is no filter.
+    const MEASURES: Option<&'static [usize]> = None;
+}
+
+impl<B> Unmeasured for Measured<B> {}
+
+/// The dynamics of a field are those of the declaration.
+#[diagnostic::on_unimplemented(
+    message = "a block of other dynamics: it belongs to `{Self}`, the declaration to `{D}`",
+    label = "its dynamics are `{Self}`",
+    note = "`#[filter(dynamics = ...)]` or `#[group(dynamics = ...)]` names the dynamics of a declaration"
+)]
+pub trait Same<D: Dynamics>: Dynamics {
+    /// The same signals.
+    fn signals<T: Real>(signals: &D::Signals<T>) -> &Self::Signals<T>;
+    /// The same point.
+    fn point<T: Real>(at: &D::Point<T>) -> &Self::Point<T>;
+}
+
+impl<D: Dynamics> Same<D> for D {
+    #[inline(always)]
+    fn signals<T: Real>(signals: &D::Signals<T>) -> &D::Signals<T> {
+        signals
+    }
+    #[inline(always)]
+    fn point<T: Real>(at: &D::Point<T>) -> &D::Point<T> {
+        at
+    }
+}
+
+/// Where each part begins.
+pub const fn offsets<const N: usize>(parts: &[Part; N]) -> [usize; N] {
+    let mut offsets = [0; N];
+    let mut i = 1;
+    while i < N {
+        offsets[i] = offsets[i - 1] + parts[i - 1].dim;
+        i += 1;
+    }
+    offsets
+}
+
+/// Whether the parts that begin at `offsets` follow each other without a gap and make `dim` states.
+pub const fn contiguous<const N: usize>(parts: &[Part; N], offsets: &[usize; N], dim: usize) -> bool {
+    let mut next = 0;
+    let mut i = 0;
+    while i < N {
+        if offsets[i] != next {
+            return false;
+        }
+        next += parts[i].dim;
+        i += 1;
+    }
+    next == dim
+}
+
+/// States of all parts.
+pub const fn dim(parts: &[Part]) -> usize {
+    let mut sum = 0;
+    let mut i = 0;
+    while i < parts.len() {
+        sum += parts[i].dim;
+        i += 1;
+    }
+    sum
+}
+
+/// Blocks of all parts.
+pub const fn set(parts: &[Part]) -> BlockSet {
+    let mut set = BlockSet::EMPTY;
+    let mut i = 0;
+    while i < parts.len() {
+        set = set.union(parts[i].set);
+        i += 1;
+    }
+    set
+}
+
+/// Whether some part forgets.
+pub const fn relaxes(parts: &[Part]) -> bool {
+    let mut i = 0;
+    while i < parts.len() {
+        if parts[i].relaxes {
+            return true;
+        }
+        i += 1;
+    }
+    false
+}
+
+/// How many rules the parts have together.
+pub const fn count_needs(parts: &[Part]) -> usize {
+    let mut count = 0;
+    let mut i = 0;
+    while i < parts.len() {
+        count += parts[i].needs.len();
+        i += 1;
+    }
+    count
+}
+
+/// The rules of all parts: a group hands them on to the filter that declares it.
+pub const fn needs<const K: usize>(parts: &[Part]) -> [Need; K] {
+    let mut all = [Need { any_of: BlockSet::EMPTY, message: "" }; K];
+    let (mut i, mut k) = (0, 0);
+    while i < parts.len() {
+        let mut j = 0;
+        while j < parts[i].needs.len() {
+            all[k] = parts[i].needs[j];
+            k += 1;
+            j += 1;
+        }
+        i += 1;
+    }
+    all
+}
+
+/// Index of the measurement called `name`; 0 when there is none, which [`measurement`] reports.
+pub const fn channel(groups: &[ChannelGroup], name: &str) -> usize {
+    let mut k = 0;
+    while k < groups.len() {
+        if text::equal(groups[k].name, name) {
+            return k;
+        }
+        k += 1;
+    }
+    0
+}
+
+/// Rows of the measurement matrix.
+pub const fn rows(groups: &[ChannelGroup], measures: &[usize]) -> usize {
+    let mut rows = 0;
+    let mut k = 0;
+    while k < measures.len() {
+        if measures[k] < groups.len() {
+            rows += groups[measures[k]].components.len();
+        }
+        k += 1;
+    }
+    rows
+}
+
+/// The measurements of a base, none when it is no filter, which [`filter_field`] reports.
+pub const fn inherited(measures: Option<&'static [usize]>) -> &'static [usize] {
+    match measures {
+        Some(measures) => measures,
+        None => &[],
+    }
+}

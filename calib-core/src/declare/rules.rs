@@ -1,0 +1,223 @@
+//! The rules across the fields of a declaration. Each function judges one field, or one name, or the whole.
+
+use super::text::{distance, equal};
+use super::{Part, Role, Text};
+use crate::{ChannelGroup, Need};
+
+/// What is wrong with field `i` of a filter whose dynamics begin with `leading`.
+pub const fn filter_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
+    let mut text = repeats(parts, i);
+    if let Role::Base { declared: false } = parts[i].role {
+        text = text
+            .next()
+            .with("`#[base] ")
+            .with(parts[i].name)
+            .with("` is not a declared filter: a base is a struct with `#[filter(...)]`, a group of blocks or a block needs no `#[base]`");
+    }
+    let declared = super::set(parts);
+    let mut k = 0;
+    while k < parts[i].needs.len() {
+        if !declared.intersects(parts[i].needs[k].any_of) {
+            text = text.next().with_name(parts[i].name).with(": ").with(parts[i].needs[k].message);
+        }
+        k += 1;
+    }
+    if extends(parts) {
+        return text;
+    }
+    let text = out_of_order(text, parts, i, leading);
+    if parts[i].relaxes && leads(&parts[i], leading) {
+        return text
+            .next()
+            .with_name(parts[i].name)
+            .with(" forgets by itself, but leading states move as the dynamics say: `relaxation` is for parameter blocks");
+    }
+    text
+}
+
+/// What is wrong with field `i` of a group whose dynamics begin with `leading`.
+pub const fn group_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
+    let text = repeats(parts, i);
+    if i > 0 && leads(&parts[0], leading) != leads(&parts[i], leading) && parts[0].known && parts[i].known {
+        return text
+            .next()
+            .with_name(parts[i].name)
+            .with(" and ")
+            .with_name(parts[0].name)
+            .with(" in one group: a group is made of leading blocks only, or of parameter blocks only");
+    }
+    out_of_order(text, parts, i, leading)
+}
+
+/// What is wrong with a filter as a whole: leading blocks that are missing, or of the wrong size.
+pub const fn filter(parts: &[Part], leading: &[Need], core: usize) -> Text {
+    let mut text = Text::EMPTY;
+    if extends(parts) {
+        return text;
+    }
+    let declared = super::set(parts);
+    let mut k = 0;
+    while k < leading.len() {
+        if !declared.intersects(leading[k].any_of) {
+            text = text.next().with(leading[k].message);
+        }
+        k += 1;
+    }
+    if !text.is_empty() {
+        return text;
+    }
+    if leading.len() == 0 {
+        return unnamed_core(parts, core);
+    }
+    let mut states = 0;
+    let mut i = 0;
+    while i < parts.len() {
+        if !repeats(parts, i).is_empty() || parts[i].repeated {
+            return text;
+        }
+        if leads(&parts[i], leading) {
+            states += parts[i].dim;
+        }
+        i += 1;
+    }
+    if states == core { text } else { wrong_core(states, core) }
+}
+
+/// What is wrong with measuring `name` when there are `groups`.
+pub const fn measurement(groups: &[ChannelGroup], name: &str) -> Text {
+    let mut nearest = "";
+    let mut least = name.len() / 2 + 1;
+    let mut list = Text::EMPTY;
+    let mut k = 0;
+    while k < groups.len() {
+        if equal(groups[k].name, name) {
+            return Text::EMPTY;
+        }
+        let edits = distance(groups[k].name, name);
+        if edits < least {
+            (nearest, least) = (groups[k].name, edits);
+        }
+        list = if list.is_empty() { list } else { list.with(", ") };
+        list = list.with(groups[k].name);
+        k += 1;
+    }
+    let text = Text::EMPTY
+        .with("measurement ")
+        .with_name(name)
+        .with(" that no block supports: these dynamics measure ")
+        .with(if list.is_empty() { "nothing" } else { list.as_str() });
+    if nearest.is_empty() { text } else { text.with("; did you mean ").with_name(nearest).with("?") }
+}
+
+/// Whether a base answers for the leading blocks, or a type that is not known might be one of them.
+const fn extends(parts: &[Part]) -> bool {
+    let mut i = 0;
+    while i < parts.len() {
+        if parts[i].is_base() || !parts[i].known {
+            return true;
+        }
+        i += 1;
+    }
+    false
+}
+
+const fn repeats(parts: &[Part], i: usize) -> Text {
+    if parts[i].repeated {
+        return Text::EMPTY;
+    }
+    let mut j = 0;
+    while j < i {
+        if parts[j].set.intersects(parts[i].set) {
+            return Text::EMPTY
+                .with_name(parts[i].name)
+                .with(" declares a block twice: it is already in ")
+                .with(if parts[j].is_base() { "the base " } else { "" })
+                .with_name(parts[j].name);
+        }
+        j += 1;
+    }
+    Text::EMPTY
+}
+
+/// Whether a part holds a leading block.
+const fn leads(part: &Part, leading: &[Need]) -> bool {
+    let mut k = 0;
+    while k < leading.len() {
+        if part.set.intersects(leading[k].any_of) {
+            return true;
+        }
+        k += 1;
+    }
+    false
+}
+
+/// Whether `later` holds a leading block that comes before every leading block of `part`.
+const fn precedes(later: &Part, part: &Part, leading: &[Need]) -> bool {
+    let mut k = 0;
+    while k < leading.len() {
+        if part.set.intersects(leading[k].any_of) {
+            return false;
+        }
+        if later.set.intersects(leading[k].any_of) {
+            return true;
+        }
+        k += 1;
+    }
+    false
+}
+
+/// A field before a leading block that comes before it: said of the first such field only.
+const fn out_of_order(text: Text, parts: &[Part], i: usize, leading: &[Need]) -> Text {
+    let mut k = 0;
+    while k < i {
+        if preceded(parts, k, leading) < parts.len() {
+            return text;
+        }
+        k += 1;
+    }
+    let later = preceded(parts, i, leading);
+    if later == parts.len() {
+        return text;
+    }
+    text.next()
+        .with_name(parts[i].name)
+        .with(" stands too early: the leading block ")
+        .with_name(parts[later].name)
+        .with(" comes before it")
+}
+
+/// The first field that stands after field `i` and comes before it; the number of fields when none does.
+const fn preceded(parts: &[Part], i: usize, leading: &[Need]) -> usize {
+    let mut j = i + 1;
+    while j < parts.len() {
+        if precedes(&parts[j], &parts[i], leading) && !doubled(parts, i, j) {
+            return j;
+        }
+        j += 1;
+    }
+    parts.len()
+}
+
+/// Whether one of two fields has been reported as standing there twice.
+const fn doubled(parts: &[Part], i: usize, j: usize) -> bool {
+    parts[i].repeated || parts[j].repeated || !repeats(parts, i).is_empty() || !repeats(parts, j).is_empty()
+}
+
+/// Dynamics that name no leading block: the first fields must make their states all the same.
+const fn unnamed_core(parts: &[Part], core: usize) -> Text {
+    let mut states = 0;
+    let mut i = 0;
+    while i < parts.len() && states < core {
+        states += parts[i].dim;
+        i += 1;
+    }
+    if states == core { Text::EMPTY } else { wrong_core(states, core) }
+}
+
+const fn wrong_core(states: usize, core: usize) -> Text {
+    Text::EMPTY
+        .with("the leading blocks make ")
+        .with_number(states)
+        .with(" states where these dynamics move ")
+        .with_number(core)
+}

@@ -1,0 +1,59 @@
+//! Families of dynamics: how the leading states of a filter move and what is measured of them.
+
+use crate::{BlockSet, Need, Real};
+
+/// A vector measurement a declaration can ask for, for instance velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChannelGroup {
+    /// Name used in `#[filter(measures(...))]` and in reports.
+    pub name: &'static str,
+    /// First channel of the group in the family's numbering.
+    pub first: usize,
+    /// Components, in channel order.
+    pub components: &'static [&'static str],
+    /// SI unit of the residual.
+    pub unit: &'static str,
+}
+
+/// How the leading states of a filter move, how sensor errors enter, and what can be measured.
+///
+/// The continuous error model is `x_c' = A x_c + B u`, `z = H x_c + L u + (direct effects)`, with `x_c` the
+/// [`CORE`](Self::CORE) leading states and `u` the errors of the [`INPUTS`](Self::INPUTS) sensor inputs
+/// that parameter blocks cause through [`Block::input_jacobian`](crate::Block::input_jacobian).
+/// For a strapdown system the inputs are the three angular rates and the three specific forces.
+pub trait Dynamics: Sized + 'static {
+    /// Number of leading states.
+    const CORE: usize;
+    /// Number of sensor inputs.
+    const INPUTS: usize;
+    /// Measurements that declarations can ask for.
+    const CHANNELS: &'static [ChannelGroup];
+    /// The blocks that every declaration of the family begins with, in order, with what to say otherwise.
+    const NEEDS: &'static [Need];
+
+    /// What the input Jacobians of blocks depend on.
+    type Signals<T: Real>;
+    /// Where the error model is linearised.
+    type Point<T: Real>;
+
+    /// Removes from `signals` what a declaration made of `blocks` does not model. Does nothing by default.
+    #[inline(always)]
+    fn restrict<T: Real>(signals: &mut Self::Signals<T>, blocks: BlockSet) {
+        let _ = (signals, blocks);
+    }
+
+    /// The matrix A: `put(row, column, value)`, both below [`CORE`](Self::CORE).
+    fn core_jacobian<T: Real>(at: &Self::Point<T>, put: &mut impl FnMut(usize, usize, T));
+
+    /// Column `input` of B times `value`: `put(row, value)`.
+    fn inject<T: Real>(at: &Self::Point<T>, input: usize, value: T, put: &mut impl FnMut(usize, T));
+
+    /// Measurement residuals by leading states: `put(channel, column, value)`.
+    fn measurement_jacobian<T: Real>(at: &Self::Point<T>, put: &mut impl FnMut(usize, usize, T));
+
+    /// Column `input` of L times `value`: `put(channel, value)`. No effect by default.
+    #[inline(always)]
+    fn measure_input<T: Real>(at: &Self::Point<T>, input: usize, value: T, put: &mut impl FnMut(usize, T)) {
+        let _ = (at, input, value, put);
+    }
+}

@@ -1,0 +1,160 @@
+//! A declared filter: its sizes, and the matrices it is assembled into.
+
+use core::fmt::Debug;
+use core::ops::IndexMut;
+
+use crate::{Block, Dynamics, Real};
+
+/// Sizes of a filter as types: the arrays it needs.
+///
+/// A declaration names its [`Dim`]; generic code that extends a filter by a block gets its sizes from
+/// [`Grown`](crate::Grown). The kernels are written once over this trait: lengths are constants after
+/// monomorphisation, whichever of the two they come from.
+pub trait Shape: Sized + 'static {
+    /// Number of states N.
+    const STATES: usize;
+    /// Number of leading states C.
+    const CORE: usize;
+    /// Number of measurement rows M.
+    const ROWS: usize;
+    /// N numbers.
+    type Vector<T: Real>: Array<T>;
+    /// N x N numbers, row after row.
+    type Matrix<T: Real>: Array<Self::Vector<T>>;
+    /// C x N numbers: the non-trivial rows of the transition matrix.
+    type CoreRows<T: Real>: Array<Self::Vector<T>>;
+    /// C x C numbers.
+    type CoreMatrix<T: Real>: Array<Self::CoreVector<T>>;
+    /// C numbers.
+    type CoreVector<T: Real>: Array<T>;
+    /// M x N numbers: the measurement matrix.
+    type MeasurementRows<T: Real>: Array<Self::Vector<T>>;
+    /// M x M numbers.
+    type MeasurementMatrix<T: Real>: Array<Self::Measurement<T>>;
+    /// M numbers.
+    type Measurement<T: Real>: Array<T>;
+
+    /// N equal numbers.
+    fn vector<T: Real>(value: T) -> Self::Vector<T> {
+        Array::fill(value)
+    }
+    /// N x N equal numbers.
+    fn matrix<T: Real>(value: T) -> Self::Matrix<T> {
+        Array::fill(Self::vector(value))
+    }
+    /// C x N equal numbers.
+    fn core_rows<T: Real>(value: T) -> Self::CoreRows<T> {
+        Array::fill(Self::vector(value))
+    }
+    /// C x C equal numbers.
+    fn core_matrix<T: Real>(value: T) -> Self::CoreMatrix<T> {
+        Array::fill(Self::core_vector(value))
+    }
+    /// C equal numbers.
+    fn core_vector<T: Real>(value: T) -> Self::CoreVector<T> {
+        Array::fill(value)
+    }
+    /// M x N equal numbers.
+    fn measurement_rows<T: Real>(value: T) -> Self::MeasurementRows<T> {
+        Array::fill(Self::vector(value))
+    }
+    /// M x M equal numbers.
+    fn measurement_matrix<T: Real>(value: T) -> Self::MeasurementMatrix<T> {
+        Array::fill(Self::measurement(value))
+    }
+    /// M equal numbers.
+    fn measurement<T: Real>(value: T) -> Self::Measurement<T> {
+        Array::fill(value)
+    }
+}
+
+/// An array whose length is part of its type.
+pub trait Array<E: Copy>: Copy + Debug + IndexMut<usize, Output = E> {
+    /// An array of equal elements.
+    fn fill(element: E) -> Self;
+    /// The elements as a slice.
+    fn as_slice(&self) -> &[E];
+    /// The elements as a mutable slice.
+    fn as_mut_slice(&mut self) -> &mut [E];
+}
+
+impl<E: Copy + Debug, const N: usize> Array<E> for [E; N] {
+    #[inline(always)]
+    fn fill(element: E) -> Self {
+        [element; N]
+    }
+    #[inline(always)]
+    fn as_slice(&self) -> &[E] {
+        self
+    }
+    #[inline(always)]
+    fn as_mut_slice(&mut self) -> &mut [E] {
+        self
+    }
+}
+
+/// `STATES` states of which the first `CORE` move, measured in `ROWS` rows.
+#[derive(Debug)]
+pub struct Dim<const STATES: usize, const CORE: usize, const ROWS: usize>;
+
+impl<const N: usize, const C: usize, const M: usize> Shape for Dim<N, C, M> {
+    const STATES: usize = N;
+    const CORE: usize = C;
+    const ROWS: usize = M;
+    type Vector<T: Real> = [T; N];
+    type Matrix<T: Real> = [[T; N]; N];
+    type CoreRows<T: Real> = [[T; N]; C];
+    type CoreMatrix<T: Real> = [[T; C]; C];
+    type CoreVector<T: Real> = [T; C];
+    type MeasurementRows<T: Real> = [[T; N]; M];
+    type MeasurementMatrix<T: Real> = [[T; M]; M];
+    type Measurement<T: Real> = [T; M];
+}
+
+/// A declared filter: a [`Block`] that begins with the leading states of its dynamics, and a choice of
+/// measurements. Written by `#[derive(StateBlocks)]`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a declared filter",
+    label = "no declared filter",
+    note = "a filter is a struct with `#[derive(StateBlocks)]` and `#[filter(measures(...))]`"
+)]
+pub trait Filter: Block {
+    /// Name of the filter in reports and on the command line.
+    const NAME: &'static str;
+    /// The sizes of the filter.
+    type Shape: Shape;
+    /// The measurements, as indices into [`Dynamics::CHANNELS`], in the order of the rows.
+    const MEASURES: &'static [usize];
+
+    /// Row of the measurement matrix that holds `channel` of the dynamics, if it is measured.
+    #[inline(always)]
+    fn row(channel: usize) -> Option<usize> {
+        let mut row = 0;
+        let mut k = 0;
+        while k < Self::MEASURES.len() {
+            let group = &<Self::Dynamics as Dynamics>::CHANNELS[Self::MEASURES[k]];
+            let len = group.components.len();
+            if channel >= group.first && channel < group.first + len {
+                return Some(row + channel - group.first);
+            }
+            row += len;
+            k += 1;
+        }
+        None
+    }
+}
+
+/// Shorthand for the arrays of a filter.
+pub type Vector<F, T> = <<F as Filter>::Shape as Shape>::Vector<T>;
+/// Shorthand for the covariance of a filter.
+pub type Matrix<F, T> = <<F as Filter>::Shape as Shape>::Matrix<T>;
+/// Shorthand for the non-trivial rows of a filter's transition matrix.
+pub type CoreRows<F, T> = <<F as Filter>::Shape as Shape>::CoreRows<T>;
+/// Shorthand for the measurement matrix of a filter.
+pub type MeasurementRows<F, T> = <<F as Filter>::Shape as Shape>::MeasurementRows<T>;
+/// Shorthand for a measurement of a filter.
+pub type Measurement<F, T> = <<F as Filter>::Shape as Shape>::Measurement<T>;
+/// Shorthand for numbers by pairs of measurement rows.
+pub type MeasurementMatrix<F, T> = <<F as Filter>::Shape as Shape>::MeasurementMatrix<T>;
+/// Shorthand for numbers by leading state.
+pub type CoreVector<F, T> = <<F as Filter>::Shape as Shape>::CoreVector<T>;

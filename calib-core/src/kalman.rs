@@ -1,0 +1,288 @@
+//! The filter proper: estimate, covariance, and the two steps that move them.
+
+use core::marker::PhantomData;
+
+use crate::{
+    Array, Conventional, CoreVector, Dynamics, Estimate, Fade, Filter, Form, Matrix, Measurement,
+    MeasurementMatrix, MeasurementRows, Real, Shape, Transition, Vector, View,
+};
+
+/// Residuals of a declared filter's measurements, assembled channel by channel.
+///
+/// Starts empty; a group that is not [`set`](Self::set) is no measurement at this instant.
+pub struct Residuals<F: Filter, T: Real> {
+    z: Measurement<F, T>,
+    r: Measurement<F, T>,
+    present: Measurement<F, T>,
+}
+
+impl<F: Filter, T: Real> Default for Residuals<F, T> {
+    fn default() -> Self {
+        Self {
+            z: F::Shape::measurement(T::zero()),
+            r: F::Shape::measurement(T::one()),
+            present: F::Shape::measurement(T::zero()),
+        }
+    }
+}
+
+impl<F: Filter, T: Real> Residuals<F, T> {
+    /// Sets `channel` of the dynamics to a residual `computed - measured` with the standard deviation of the measurement.
+    /// A channel that the filter does not measure is passed over.
+    pub fn set(&mut self, channel: usize, residual: T, sigma: T) {
+        if let Some(row) = F::row(channel) {
+            self.z[row] = residual;
+            self.r[row] = sigma * sigma;
+            self.present[row] = T::one();
+        }
+    }
+
+    /// Whether nothing is measured.
+    pub fn is_empty(&self) -> bool {
+        self.present.as_slice().iter().all(|p| *p == T::zero())
+    }
+
+    /// The residuals, row by row; zero where nothing is measured.
+    pub fn values(&self) -> &Measurement<F, T> {
+        &self.z
+    }
+
+    /// Takes one row out again.
+    fn drop_row(&mut self, row: usize) {
+        self.z[row] = T::zero();
+        self.r[row] = T::one();
+        self.present[row] = T::zero();
+    }
+
+    fn count(&self) -> usize {
+        self.present.as_slice().iter().filter(|p| **p != T::zero()).count()
+    }
+}
+
+/// What one update found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Innovation<T> {
+    /// Normalised innovation squared over the rows used.
+    pub nis: T,
+    /// Rows used.
+    pub degrees_of_freedom: usize,
+    /// Gaussian log-likelihood of the rows used.
+    pub log_likelihood: T,
+    /// Groups of [`Filter::MEASURES`] that the gate refused, as bits.
+    pub rejected: u32,
+}
+
+/// The innovation covariance was not positive definite: the filter has diverged or was fed NaN.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotPositiveDefinite;
+
+impl core::fmt::Display for NotPositiveDefinite {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("the innovation covariance is not positive definite")
+    }
+}
+
+impl core::error::Error for NotPositiveDefinite {}
+
+/// An error-state Kalman filter made from the declaration `F`, in scalar `T`, with its covariance in form `C`.
+pub struct Kalman<F: Filter, T: Real = f64, C: Form = Conventional> {
+    x: Vector<F, T>,
+    cov: Matrix<F, T>,
+    form: PhantomData<C>,
+}
+
+impl<F: Filter, T: Real, C: Form> Clone for Kalman<F, T, C> {
+    fn clone(&self) -> Self {
+        Self { x: self.x, cov: self.cov, form: PhantomData }
+    }
+}
+
+impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
+    /// A filter with mean zero and independent states of the given standard deviations.
+    pub fn new(sigmas: &Vector<F, T>) -> Self {
+        let mut variances = *sigmas;
+        for v in variances.as_mut_slice() {
+            *v *= *v;
+        }
+        let mut cov = F::Shape::matrix(T::zero());
+        C::set_diagonal::<F::Shape, T>(&mut cov, &variances);
+        Self { x: F::Shape::vector(T::zero()), cov, form: PhantomData }
+    }
+
+    /// Prior standard deviations of the declaration's blocks.
+    pub fn prior() -> Vector<F, T> {
+        let mut sigmas = F::Shape::vector(T::zero());
+        let mut i = 0;
+        F::states(&mut |info| {
+            sigmas[i] = T::of(info.prior_sigma);
+            i += 1;
+        });
+        sigmas
+    }
+
+    /// The state vector.
+    pub fn x(&self) -> &Vector<F, T> {
+        &self.x
+    }
+
+    /// The state vector, to be corrected by what was fed back.
+    pub fn x_mut(&mut self) -> &mut Vector<F, T> {
+        &mut self.x
+    }
+
+    /// Standard deviation of state `i`.
+    pub fn sigma(&self, i: usize) -> T {
+        C::variance::<F::Shape, T>(&self.cov, i).sqrt()
+    }
+
+    /// The covariance as a dense matrix.
+    pub fn covariance(&self) -> Matrix<F, T> {
+        let mut p = F::Shape::matrix(T::zero());
+        C::dense::<F::Shape, T>(&self.cov, &mut p);
+        p
+    }
+
+    /// Named access to state and covariance; `p` is what [`covariance`](Self::covariance) returned.
+    pub fn view<'a>(&'a self, p: &'a [T]) -> F::View<'a, T> {
+        F::View::at(Estimate { x: self.x.as_slice(), p }, 0)
+    }
+
+    /// Time update over the interval of `transition`; `density` is the white noise on the leading states,
+    /// (unit)^2/s. Parameters that relax fade towards zero.
+    pub fn predict(&mut self, transition: &Transition<F, T>, density: &CoreVector<F, T>) {
+        let rows = transition.rows();
+        let mut moved = F::Shape::core_vector(T::zero());
+        for i in 0..F::Shape::CORE {
+            for j in 0..F::Shape::STATES {
+                moved[i] += rows[i][j] * self.x[j];
+            }
+        }
+        for i in 0..F::Shape::CORE {
+            self.x[i] = moved[i];
+        }
+        C::propagate::<F::Shape, T>(&mut self.cov, rows, &transition.noise(density));
+        if F::RELAXES {
+            F::relaxation(&mut |state, relaxation| {
+                let fade = Fade::over(relaxation, state, transition.elapsed());
+                self.x[state] *= fade.keep;
+                C::fade::<F::Shape, T>(&mut self.cov, &fade);
+            });
+        }
+    }
+
+    /// Measurement update. With a `gate`, a group whose own normalised innovation squared per component
+    /// exceeds it is left out.
+    ///
+    /// # Errors
+    /// When the innovation covariance is not positive definite; state and covariance then no longer mean anything.
+    pub fn update(
+        &mut self,
+        at: &<F::Dynamics as Dynamics>::Point<T>,
+        signals: &<F::Dynamics as Dynamics>::Signals<T>,
+        mut residuals: Residuals<F, T>,
+        gate: Option<T>,
+    ) -> Result<Innovation<T>, NotPositiveDefinite> {
+        let mut h = measurement_rows::<F, T>(at, signals);
+        for m in 0..F::Shape::ROWS {
+            if residuals.present[m] == T::zero() {
+                h[m] = F::Shape::vector(T::zero());
+            }
+        }
+        let rejected = match gate {
+            Some(limit) => self.reject(&mut h, &mut residuals, limit)?,
+            None => 0,
+        };
+        let whitened =
+            C::update::<F::Shape, T>(&mut self.cov, &mut self.x, &h, &residuals.r, &residuals.z)
+                .ok_or(NotPositiveDefinite)?;
+        let degrees_of_freedom = residuals.count();
+        let constant = T::of(degrees_of_freedom as f64) * T::two_pi().ln();
+        Ok(Innovation {
+            nis: whitened.nis,
+            degrees_of_freedom,
+            log_likelihood: -T::of(0.5) * (whitened.nis + whitened.log_det + constant),
+            rejected,
+        })
+    }
+
+    /// Takes out the groups that the gate refuses.
+    fn reject(
+        &self,
+        h: &mut MeasurementRows<F, T>,
+        residuals: &mut Residuals<F, T>,
+        limit: T,
+    ) -> Result<u32, NotPositiveDefinite> {
+        let s = C::project::<F::Shape, T>(&self.cov, h);
+        let mut rejected = 0;
+        let mut first = 0;
+        for (bit, group) in F::MEASURES.iter().enumerate() {
+            let len = <F::Dynamics as Dynamics>::CHANNELS[*group].components.len();
+            let nis = self.group_nis(&s, h, residuals, first..first + len)?;
+            if nis > limit * T::of(len as f64) {
+                rejected |= 1 << bit;
+                for row in first..first + len {
+                    residuals.drop_row(row);
+                    h[row] = F::Shape::vector(T::zero());
+                }
+            }
+            first += len;
+        }
+        Ok(rejected)
+    }
+
+    /// Normalised innovation squared of some rows on their own.
+    fn group_nis(
+        &self,
+        s: &MeasurementMatrix<F, T>,
+        h: &MeasurementRows<F, T>,
+        residuals: &Residuals<F, T>,
+        rows: core::ops::Range<usize>,
+    ) -> Result<T, NotPositiveDefinite> {
+        let mut l = *s;
+        let mut e = *residuals.values();
+        let mut nis = T::zero();
+        for i in rows.clone() {
+            for j in 0..F::Shape::STATES {
+                e[i] -= h[i][j] * self.x[j];
+            }
+            l[i][i] += residuals.r[i];
+            for j in rows.start..=i {
+                let mut sum = l[i][j];
+                for k in rows.start..j {
+                    sum -= l[i][k] * l[j][k];
+                }
+                if i == j && !(sum > T::zero()) {
+                    return Err(NotPositiveDefinite);
+                }
+                l[i][j] = if i == j { sum.sqrt() } else { sum / l[j][j] };
+            }
+            for k in rows.start..i {
+                let known = e[k];
+                e[i] -= l[i][k] * known;
+            }
+            e[i] /= l[i][i];
+            nis += e[i] * e[i];
+        }
+        Ok(nis)
+    }
+}
+
+/// The measurement matrix of a declared filter, one row per measured channel: the leading states' part, the direct
+/// effects of blocks, and what sensor errors do to the residual.
+pub fn measurement_rows<F: Filter, T: Real>(
+    at: &<F::Dynamics as Dynamics>::Point<T>,
+    signals: &<F::Dynamics as Dynamics>::Signals<T>,
+) -> MeasurementRows<F, T> {
+    let mut h = F::Shape::measurement_rows(T::zero());
+    let mut add = |channel: usize, state: usize, value: T| {
+        if let Some(row) = F::row(channel) {
+            h[row][state] += value;
+        }
+    };
+    F::Dynamics::measurement_jacobian(at, &mut add);
+    F::measurement_jacobian(at, &mut add);
+    F::input_jacobian(signals, &mut |input, state, value| {
+        F::Dynamics::measure_input(at, input, value, &mut |channel, part| add(channel, state, part));
+    });
+    h
+}

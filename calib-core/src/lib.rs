@@ -1,0 +1,34 @@
+//! The engine under `sinscal`: block layout, structured propagation and update, innovations, Jacobian checks.
+//!
+//! No allocation, no standard library, no `unsafe`. A user meets it through the `sinscal` facade and
+//! `#[derive(StateBlocks)]`.
+#![cfg_attr(not(feature = "std"), no_std)]
+
+mod block;
+#[cfg(feature = "check")]
+pub mod check;
+mod conventional;
+#[doc(hidden)]
+pub mod declare;
+mod dynamics;
+mod filter;
+mod form;
+mod kalman;
+mod real;
+mod transition;
+mod ud;
+mod view;
+
+pub use block::{Block, BlockSet, Need, Relaxation, StateInfo};
+pub use conventional::Conventional;
+pub use dynamics::{ChannelGroup, Dynamics};
+pub use filter::{
+    Array, CoreRows, CoreVector, Dim, Filter, Matrix, Measurement, MeasurementMatrix, MeasurementRows, Shape,
+    Vector,
+};
+pub use form::{Fade, Form, Whitened};
+pub use kalman::{Innovation, Kalman, NotPositiveDefinite, Residuals, measurement_rows};
+pub use real::Real;
+pub use transition::{Transition, restrict};
+pub use ud::Ud;
+pub use view::{BlockView, Estimate, View};

@@ -1,0 +1,58 @@
+//! Named access to a filter's estimate: no index is ever written by hand.
+
+use core::marker::PhantomData;
+
+use crate::{Block, Real};
+
+/// A state vector with its covariance, borrowed.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimate<'a, T: Real> {
+    /// The states, in the order of the declaration.
+    pub x: &'a [T],
+    /// The covariance, row after row; as many rows as states.
+    pub p: &'a [T],
+}
+
+/// A part of an [`Estimate`] that knows its block; the derive writes one for every struct of blocks.
+pub trait View<'a, T: Real>: Sized {
+    /// The view of the block that begins at state `offset`.
+    fn at(estimate: Estimate<'a, T>, offset: usize) -> Self;
+}
+
+/// The states of one block within an estimate.
+#[derive(Debug)]
+pub struct BlockView<'a, B, T: Real> {
+    estimate: Estimate<'a, T>,
+    offset: usize,
+    block: PhantomData<B>,
+}
+
+impl<'a, B: Block, T: Real> View<'a, T> for BlockView<'a, B, T> {
+    fn at(estimate: Estimate<'a, T>, offset: usize) -> Self {
+        Self { estimate, offset, block: PhantomData }
+    }
+}
+
+impl<'a, B: Block, T: Real> BlockView<'a, B, T> {
+    /// The states, SI units, component order of the block.
+    pub fn values(&self) -> &'a [T] {
+        &self.estimate.x[self.offset..self.offset + B::DIM]
+    }
+
+    /// Covariance of components `i` and `j` of the block.
+    ///
+    /// # Panics
+    /// When an index is not below the block's dimension.
+    pub fn covariance(&self, i: usize, j: usize) -> T {
+        assert!(i < B::DIM && j < B::DIM, "component outside the block");
+        self.estimate.p[(self.offset + i) * self.estimate.x.len() + self.offset + j]
+    }
+
+    /// Standard deviation of component `i` of the block.
+    ///
+    /// # Panics
+    /// When `i` is not below the block's dimension.
+    pub fn sigma(&self, i: usize) -> T {
+        self.covariance(i, i).sqrt()
+    }
+}

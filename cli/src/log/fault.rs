@@ -1,0 +1,118 @@
+//! What is wrong with a log: always with the place (file, and line, column or row) and what would be right.
+
+use std::fmt::Display;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+use miette::{Diagnostic, NamedSource, SourceSpan};
+use thiserror::Error;
+
+/// Why a log cannot be used. The message stands on its own; a terminal also shows the faulty text.
+#[derive(Debug, Error, Diagnostic)]
+#[error(transparent)]
+#[diagnostic(transparent)]
+pub(crate) struct LogError(Box<Fault>);
+
+#[derive(Debug, Error, Diagnostic)]
+#[error("{message}")]
+struct Fault {
+    message: String,
+    #[help]
+    help: Option<String>,
+    #[source_code]
+    source_code: Option<NamedSource<Arc<str>>>,
+    #[label("here")]
+    span: Option<SourceSpan>,
+    #[related]
+    others: Vec<LogError>,
+}
+
+impl LogError {
+    fn new(message: String) -> Self {
+        Self(Box::new(Fault { message, help: None, source_code: None, span: None, others: Vec::new() }))
+    }
+
+    /// A fault of a file as a whole.
+    pub(crate) fn file(path: &Path, problem: impl Display) -> Self {
+        Self::new(format!("{}: {problem}", path.display()))
+    }
+
+    /// A fault of one column of a table.
+    pub(super) fn column(path: &Path, column: &str, problem: impl Display) -> Self {
+        Self::new(format!("{}, column `{column}`: {problem}", path.display()))
+    }
+
+    /// A fault of one data row (counted from 1, the header does not count).
+    pub(super) fn row(path: &Path, row: u64, column: Option<&str>, problem: impl Display) -> Self {
+        let path = path.display();
+        match column {
+            Some(column) => Self::new(format!("{path}, row {row}, column `{column}`: {problem}")),
+            None => Self::new(format!("{path}, row {row}: {problem}")),
+        }
+    }
+
+    /// A fault at a place of a text file.
+    pub(super) fn text(
+        path: &Path,
+        text: &Arc<str>,
+        span: Option<Range<usize>>,
+        field: Option<&str>,
+        problem: impl Display,
+    ) -> Self {
+        let file = path.display().to_string();
+        let line = span.as_ref().map(|span| {
+            let before = text.as_bytes().get(..span.start).unwrap_or(text.as_bytes());
+            format!(", line {}", 1 + before.iter().filter(|byte| **byte == b'\n').count())
+        });
+        let field = field.map(|field| format!(", field `{field}`"));
+        let mut fault =
+            Self::new(format!("{file}{}{}: {problem}", line.unwrap_or_default(), field.unwrap_or_default()));
+        if let Some(span) = span {
+            fault.0.source_code = Some(NamedSource::new(file, Arc::clone(text)));
+            fault.0.span = Some(span.into());
+        }
+        fault
+    }
+
+    /// Adds what would be right.
+    pub(super) fn help(mut self, help: impl Into<String>) -> Self {
+        self.0.help = Some(help.into());
+        self
+    }
+
+    /// Adds what would be right, where there is something to say.
+    pub(super) fn help_if(mut self, help: Option<String>) -> Self {
+        if help.is_some() {
+            self.0.help = help;
+        }
+        self
+    }
+
+    /// Adds a remark to the help.
+    pub(super) fn note(mut self, note: String) -> Self {
+        self.0.help = Some(match self.0.help.take() {
+            Some(help) => format!("{help}; {note}"),
+            None => note,
+        });
+        self
+    }
+
+    /// One error out of several; `None` when there is none.
+    pub(super) fn all(faults: Vec<Self>) -> Option<Self> {
+        let mut faults = faults.into_iter();
+        let mut first = faults.next()?;
+        first.0.others.extend(faults);
+        Some(first)
+    }
+
+    /// The message, then those of the faults found together with it.
+    #[cfg(test)]
+    pub(super) fn messages(&self) -> Vec<String> {
+        let help = self.0.help.iter().map(|help| format!("help: {help}"));
+        std::iter::once(self.to_string())
+            .chain(help)
+            .chain(self.0.others.iter().flat_map(LogError::messages))
+            .collect()
+    }
+}

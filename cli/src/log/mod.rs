@@ -1,0 +1,381 @@
+//! Logs: a table of samples and the description beside it, read in one streaming pass and checked throughout.
+//!
+//! A log is named by its path with or without ending. Without one, the table beside `NAME.toml` is taken; when there
+//! is both `NAME.parquet` and `NAME.csv` the ending must say which is meant, so that no stale copy is read unnoticed.
+
+mod columns;
+mod csv;
+mod description;
+mod fault;
+mod fields;
+mod parquet;
+mod rows;
+#[cfg(test)]
+mod tests;
+mod units;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use sinscal::Sample;
+
+use self::columns::{Batch, Group, Layout, Source};
+use self::csv::CsvSource;
+use self::parquet::ParquetSource;
+use self::rows::{Checker, Row};
+
+pub(crate) use self::description::Description;
+pub(crate) use self::fault::LogError;
+pub(crate) use self::parquet::decoding;
+
+/// A fixed point's reference holds at every instant; it is used at this rate, Hz.
+const FIXED_POINT_RATE: f64 = 1.0;
+/// A measured reference is used at most at this rate, Hz: the errors of neighbouring readings of a real one (a camera
+/// system's calibration, a still unit's creep) are not independent, and counting them as if they were makes sigmas
+/// that are too small.
+const MEASURED_RATE: f64 = 10.0;
+/// So many faulty rows are described, the rest is counted.
+const DESCRIBED_ROWS: usize = 8;
+
+/// A log whose description and columns are sound. Rows are checked as they are read.
+#[derive(Debug)]
+pub(crate) struct Log {
+    description: Description,
+    table: PathBuf,
+    kind: Kind,
+    /// Rows or bytes: what reading it counts.
+    size: u64,
+    fixed_point: bool,
+    bridge: f64,
+    warnings: Vec<String>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Parquet,
+    Csv,
+}
+
+impl Log {
+    /// Finds the files of a log, reads the description and checks the columns.
+    pub(crate) fn open(log: &Path) -> Result<Self, LogError> {
+        let (table, kind, description_path) = find(log)?;
+        let description = Description::read(&description_path)?;
+        let (layout, size) = match kind {
+            Kind::Parquet => {
+                let (_, layout, rows) = ParquetSource::open(&table)?;
+                (layout, rows)
+            }
+            Kind::Csv => {
+                let (_, layout) = CsvSource::open(&table)?;
+                (layout, table.metadata().map_err(|error| unreadable(&table, &error))?.len())
+            }
+        };
+        for (group, scale, field) in [
+            (Group::GYRO_PULSE, description.gyro_pulse, "imu.gyro_rad_per_pulse"),
+            (Group::ACCEL_PULSE, description.accel_pulse, "imu.accel_m_s_per_pulse"),
+        ] {
+            if layout.has(group) && scale.is_none() {
+                let problem = format!("holds pulse counts, but {} lacks {field}", description_path.display());
+                let help = "give the nominal size of a pulse on each axis: finding it from the log itself \
+                            (the coarse stage) is not part of this program yet";
+                return Err(LogError::column(&table, group.names()[0], problem).help(help));
+            }
+        }
+        let warnings = warnings(&description, &layout, &description_path);
+        let fixed_point =
+            ![Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].into_iter().any(|group| layout.has(group));
+        Ok(Self { description, table, kind, size, fixed_point, bridge: 0.0, warnings })
+    }
+
+    /// Lets gaps of up to `seconds` be filled with interpolated increments.
+    ///
+    /// The rows put into a gap hold increments between those of its two ends, no reference and no new reading.
+    pub(crate) fn bridge_gaps(&mut self, seconds: f64) {
+        self.bridge = seconds;
+    }
+
+    /// What the description says.
+    pub(crate) fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// The table's path.
+    pub(crate) fn table(&self) -> &Path {
+        &self.table
+    }
+
+    /// The reference is used at most this often, Hz.
+    pub(crate) fn update_rate(&self) -> f64 {
+        if self.fixed_point { FIXED_POINT_RATE } else { MEASURED_RATE }
+    }
+
+    /// Defaults in use that the reader of the results should know about.
+    pub(crate) fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Length of the table in the unit of [`Samples::position`].
+    pub(crate) fn size(&self) -> u64 {
+        self.size
+    }
+
+    /// Starts reading from the first row.
+    pub(crate) fn samples(&self) -> Result<Samples, LogError> {
+        let (source, layout): (Box<dyn Source>, Layout) = match self.kind {
+            Kind::Parquet => {
+                let (source, layout, _) = ParquetSource::open(&self.table)?;
+                (Box::new(source), layout)
+            }
+            Kind::Csv => {
+                let (source, layout) = CsvSource::open(&self.table)?;
+                (Box::new(source), layout)
+            }
+        };
+        Ok(Samples {
+            checker: Checker::new(self.table.clone(), &self.description, &layout),
+            source,
+            batch: Batch::new(),
+            next: 0,
+            rows: 0,
+            table: self.table.clone(),
+            interval: 1.0 / self.description.rate,
+            bridge: self.bridge,
+            gap: None,
+            last: None,
+            bridged: Bridged::default(),
+            in_row: false,
+            ended: false,
+        })
+    }
+}
+
+/// Gaps that were filled.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Bridged {
+    /// Number of gaps.
+    pub(crate) gaps: u64,
+    /// Number of rows put into them.
+    pub(crate) rows: u64,
+}
+
+/// The rows of a log in order, each checked. Ends after the first error.
+pub(crate) struct Samples {
+    source: Box<dyn Source>,
+    checker: Checker,
+    batch: Batch,
+    /// Next row of the batch.
+    next: usize,
+    rows: u64,
+    table: PathBuf,
+    interval: f64,
+    bridge: f64,
+    gap: Option<Gap>,
+    last: Option<Sample>,
+    bridged: Bridged,
+    /// Whether the last fault was that of one row, so that reading can go on after it.
+    in_row: bool,
+    ended: bool,
+}
+
+/// A gap being filled.
+struct Gap {
+    before: Sample,
+    after: Sample,
+    steps: u64,
+    step: u64,
+}
+
+impl Samples {
+    /// How far reading has come, out of [`Log::size`].
+    pub(crate) fn position(&self) -> u64 {
+        self.source.position()
+    }
+
+    /// What was put into gaps so far.
+    pub(crate) fn bridged(&self) -> Bridged {
+        self.bridged
+    }
+
+    /// Checks the next row; nothing at the end.
+    fn row(&mut self) -> Result<Option<Row>, LogError> {
+        self.in_row = false;
+        if self.next == self.batch.rows {
+            self.source.read(&mut self.batch)?;
+            self.next = 0;
+            if self.batch.rows == 0 {
+                if self.rows == 0 {
+                    return Err(LogError::file(&self.table, "has no rows").help("one row per IMU sample was expected"));
+                }
+                return Ok(None);
+            }
+            self.checker.check_batch(&self.batch)?;
+        }
+        self.in_row = true;
+        let row = self.checker.check(&self.batch, self.next);
+        self.next += 1;
+        self.rows += 1;
+        row.map(Some)
+    }
+
+    /// The next sample, or the next of a gap.
+    fn sample(&mut self) -> Result<Option<Sample>, LogError> {
+        if let Some(gap) = &mut self.gap {
+            let filled = gap.sample();
+            if gap.step == gap.steps {
+                self.gap = None;
+            } else {
+                self.bridged.rows += 1;
+            }
+            return Ok(Some(filled));
+        }
+        match self.row()? {
+            None => Ok(None),
+            Some(Row::Next(sample)) => Ok(Some(sample)),
+            Some(Row::AfterGap(sample, seconds, fault)) => {
+                let Some(before) = self.last.filter(|_| seconds <= self.bridge) else { return Err(fault) };
+                // A gap is at least 1.5 intervals long, so that there is a row to put in.
+                let steps = ((seconds / self.interval).round() as u64).max(2);
+                self.bridged.gaps += 1;
+                self.gap = Some(Gap { before, after: sample, steps, step: 0 });
+                self.sample()
+            }
+        }
+    }
+
+    /// Reads on after a fault, to tell about the other faulty rows.
+    fn survey(&mut self, first: LogError) -> LogError {
+        let mut faults = vec![first];
+        let mut more = 0_u64;
+        while self.in_row && (self.next < self.batch.rows || faults.len() < DESCRIBED_ROWS) {
+            let fault = match self.row() {
+                Ok(None) => break,
+                Ok(Some(Row::AfterGap(_, seconds, fault))) if seconds > self.bridge => fault,
+                Ok(Some(_)) => continue,
+                Err(fault) => fault,
+            };
+            if faults.len() < DESCRIBED_ROWS {
+                faults.push(fault);
+            } else {
+                more += 1;
+            }
+        }
+        let mut all = LogError::all(faults).unwrap_or_else(|| LogError::file(&self.table, "is faulty"));
+        if more > 0 {
+            all = all.note(format!("and at least {more} more faulty rows"));
+        }
+        all
+    }
+}
+
+impl Gap {
+    fn sample(&mut self) -> Sample {
+        self.step += 1;
+        if self.step == self.steps {
+            return self.after;
+        }
+        let part = self.step as f64 / self.steps as f64;
+        let (before, after) = (&self.before, &self.after);
+        let nothing = nalgebra::Vector3::repeat(f64::NAN);
+        Sample {
+            time: before.time + part * (after.time - before.time),
+            dtheta: before.dtheta.lerp(&after.dtheta, part),
+            dvel: before.dvel.lerp(&after.dvel, part),
+            temperature: nothing,
+            gyro_temperature: nothing,
+            dither: nothing,
+            reference: sinscal::Reference::default(),
+        }
+    }
+}
+
+impl Iterator for Samples {
+    type Item = Result<Sample, LogError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ended {
+            return None;
+        }
+        match self.sample() {
+            Ok(Some(sample)) => {
+                self.last = Some(sample);
+                Some(Ok(sample))
+            }
+            Ok(None) => {
+                self.ended = true;
+                None
+            }
+            Err(fault) => {
+                self.ended = true;
+                Some(Err(self.survey(fault)))
+            }
+        }
+    }
+}
+
+/// The table, its kind, and the description of the log called `log`.
+fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
+    let ending = log.extension().and_then(|ending| ending.to_str());
+    let stem = match ending {
+        Some("parquet" | "csv" | "toml") => log.with_extension(""),
+        _ => log.to_owned(),
+    };
+    let with = |ending: &str| {
+        let mut name = stem.clone().into_os_string();
+        name.push(ending);
+        PathBuf::from(name)
+    };
+    let (parquet, csv, description) = (with(".parquet"), with(".csv"), with(".toml"));
+    let (table, kind) = match ending {
+        Some("parquet") => (parquet, Kind::Parquet),
+        Some("csv") => (csv, Kind::Csv),
+        _ => match (parquet.exists(), csv.exists()) {
+            (true, true) => {
+                let problem = format!("there is both {} and {}", parquet.display(), csv.display());
+                return Err(LogError::file(log, problem).help("name the one to read with its ending"));
+            }
+            (true, false) => (parquet, Kind::Parquet),
+            (false, true) => (csv, Kind::Csv),
+            (false, false) => {
+                let problem = format!("there is neither {} nor {}", parquet.display(), csv.display());
+                let help = log.is_file().then_some("the ending of a table must be .parquet or .csv".to_owned());
+                return Err(LogError::file(log, problem).help_if(help.filter(|_| ending != Some("toml"))));
+            }
+        },
+    };
+    for (path, what) in [(&table, "table of samples"), (&description, "description of the log")] {
+        let metadata = std::fs::metadata(path).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound => LogError::file(path, format!("the {what} is not there")),
+            _ => unreadable(path, &error),
+        })?;
+        if !metadata.is_file() {
+            return Err(LogError::file(path, format!("is not a regular file: the {what} was expected")));
+        }
+    }
+    Ok((table, kind, description))
+}
+
+/// An error of the operating system with the file it is about.
+fn unreadable(path: &Path, error: &io::Error) -> LogError {
+    LogError::file(path, format!("cannot be read: {error}"))
+}
+
+/// Defaults that matter because of what the table holds.
+fn warnings(description: &Description, layout: &Layout, path: &Path) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let path = path.display();
+    let groups = [
+        (Group::REF_VEL, "velocity_sigma_m_s", "0.001 m/s"),
+        (Group::REF_POS, "position_sigma_m", "0.002 m"),
+        (Group::REF_QUAT, "attitude_sigma_deg", "0.01 deg"),
+    ];
+    for ((group, field, default), given) in groups.into_iter().zip(description.reference_given) {
+        if layout.has(group) && !given {
+            warnings.push(format!("{path}: reference.{field} is not given, {default} is assumed"));
+        }
+    }
+    if !description.noise_given {
+        warnings.push(format!("{path}: [noise] is not given, 0.001 deg/sqrt(h) and 5 ug/sqrt(Hz) are assumed"));
+    }
+    warnings
+}

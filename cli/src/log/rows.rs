@@ -1,0 +1,334 @@
+//! Checking rows and making samples of them.
+
+use std::path::PathBuf;
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use sinscal::{Reference, Sample};
+
+use super::columns::{Batch, Group, Layout};
+use super::description::{Description, TEMPERATURES};
+use super::fault::LogError;
+use super::units::sheet::DEG_PER_SQRT_HOUR;
+
+/// A quaternion's norm may differ from 1 by this much; it is normalised then.
+pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
+/// A step longer than this many sampling intervals is a gap.
+const LONGEST_STEP: f64 = 1.5;
+/// The median step may differ from the nominal interval by this fraction.
+const RATE_TOLERANCE: f64 = 0.02;
+/// Fewer steps than this say nothing about the rate.
+const STEPS_FOR_RATE: usize = 8;
+/// Fewer rows than this say nothing about the mean specific force.
+const ROWS_FOR_MEAN: usize = 64;
+/// The mean specific force over a batch of rows lies in here, m/s^2: 9.8 unless on a centrifuge.
+const MEAN_FORCE: (f64, f64) = (3.0, 50.0);
+/// Nothing that carries an inertial unit goes beyond this, m/s^2.
+const LARGEST_FORCE: f64 = 500.0;
+/// Nor beyond this when it is shaken by hand, rad/s.
+const LARGEST_RATE: f64 = 50.0;
+/// Gyros better than `NAVIGATION_WALK` are not turned faster than this, rad/s: 400 deg/s is the input range of ring
+/// laser and fibre gyros. It is low enough to notice a turn at 10 deg/s written in degrees.
+const LARGEST_NAVIGATION_RATE: f64 = 6.981_317_007_977_318;
+/// Angle random walk that separates the two, rad/sqrt(s).
+const NAVIGATION_WALK: f64 = 0.1 * DEG_PER_SQRT_HOUR;
+/// rad/s.
+const LARGEST_DITHER: f64 = 10.0;
+/// m/s and m.
+const LARGEST_REFERENCE: [f64; 2] = [1e3, 1e6];
+
+/// What is written to rows where a whole triple is expected.
+const TRIPLE: &str = "give all components in a row, or none";
+
+/// Turns the rows of one table into samples, in order.
+pub(super) struct Checker {
+    path: PathBuf,
+    interval: f64,
+    largest_rate: f64,
+    gyro_scale: Option<Vector3<f64>>,
+    accel_scale: Option<Vector3<f64>>,
+    reference: Measured,
+    /// Row number of the last row, 0 before the first.
+    row: u64,
+    last_time: Option<f64>,
+}
+
+/// What the table says about the observed point.
+enum Measured {
+    /// Nothing: it is a fixed point, at rest in the origin.
+    FixedPoint,
+    /// What stands in its columns.
+    Columns { velocity: bool, position: bool, attitude: bool },
+}
+
+/// A checked row.
+pub(super) enum Row {
+    /// One sampling interval after the row before.
+    Next(Sample),
+    /// After a gap of this many seconds.
+    AfterGap(Sample, f64, LogError),
+}
+
+impl Checker {
+    pub(super) fn new(path: PathBuf, description: &Description, layout: &Layout) -> Self {
+        let navigation_grade = description.noise.angle_random_walk < NAVIGATION_WALK;
+        let reference = match [Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].map(|group| layout.has(group)) {
+            [false, false, false] => Measured::FixedPoint,
+            [velocity, position, attitude] => Measured::Columns { velocity, position, attitude },
+        };
+        Self {
+            path,
+            interval: 1.0 / description.rate,
+            largest_rate: if navigation_grade { LARGEST_NAVIGATION_RATE } else { LARGEST_RATE },
+            gyro_scale: description.gyro_pulse.filter(|_| layout.has(Group::GYRO_PULSE)),
+            accel_scale: description.accel_pulse.filter(|_| layout.has(Group::ACCEL_PULSE)),
+            reference,
+            row: 0,
+            last_time: None,
+        }
+    }
+
+    /// Checks what only many rows together show.
+    pub(super) fn check_batch(&self, batch: &Batch) -> Result<(), LogError> {
+        let rows = (self.row + 1, self.row + batch.rows as u64);
+        let steps = batch.times().windows(2).map(|pair| pair[1] - pair[0]);
+        let mut steps: Vec<f64> = steps.filter(|step| step.is_finite()).collect();
+        if steps.len() >= STEPS_FOR_RATE {
+            let middle = steps.len() / 2;
+            let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+            let median = *median;
+            if median > 0.0 && (median / self.interval - 1.0).abs() > RATE_TOLERANCE {
+                let problem = format!(
+                    "rows {} to {} are {median:.6} s apart ({:.3} Hz), the description says {:.3} Hz",
+                    rows.0,
+                    rows.1,
+                    1.0 / median,
+                    1.0 / self.interval
+                );
+                let help = "correct imu.rate_hz of the description, or the times (in seconds)";
+                return Err(LogError::column(&self.path, "time_s", problem).help(help));
+            }
+        }
+        let mut sum = 0.0;
+        let mut finite = 0_usize;
+        for row in 0..batch.rows {
+            let force = self.force(batch, row).norm() / self.interval;
+            if force <= LARGEST_FORCE {
+                sum += force;
+                finite += 1;
+            }
+        }
+        let mean = sum / finite as f64;
+        if finite >= ROWS_FOR_MEAN && !(MEAN_FORCE.0..=MEAN_FORCE.1).contains(&mean) {
+            let problem = format!(
+                "rows {} to {}: the specific force is {mean:.3} m/s^2 on average, about 9.8 was expected",
+                rows.0, rows.1
+            );
+            let help = "velocity increments over one interval are expected, in m/s: not forces, and not in g";
+            return Err(LogError::column(&self.path, &Group::DVEL.names().join("`, `"), problem).help(help));
+        }
+        Ok(())
+    }
+
+    /// Checks row `index` of the batch, which follows the row of the call before.
+    pub(super) fn check(&mut self, batch: &Batch, index: usize) -> Result<Row, LogError> {
+        self.row += 1;
+        let time = batch.cell(Group::TIME.first, index);
+        if !time.is_finite() {
+            return Err(self.cell_fault(Group::TIME.first, time, "a time in s"));
+        }
+        let gap = match self.last_time.replace(time) {
+            None => None,
+            Some(last) => self.step(last, time)?,
+        };
+        let dtheta = self.angle(batch, index);
+        let dvel = self.force(batch, index);
+        let gyro = if self.gyro_scale.is_some() { Group::GYRO_PULSE } else { Group::DTHETA };
+        let accel = if self.accel_scale.is_some() { Group::ACCEL_PULSE } else { Group::DVEL };
+        self.increments(gyro, &dtheta, self.largest_rate, ["an angle increment in rad", "rad/s"])?;
+        self.increments(accel, &dvel, LARGEST_FORCE, ["a velocity increment in m/s", "m/s^2"])?;
+        let sample = Sample {
+            time,
+            dtheta,
+            dvel,
+            temperature: self.temperature(batch, index, Group::TEMP)?,
+            gyro_temperature: self.temperature(batch, index, Group::TEMP_GYRO)?,
+            dither: self.dither(batch, index)?,
+            reference: self.reference(batch, index)?,
+        };
+        Ok(match gap {
+            None => Row::Next(sample),
+            Some((gap, fault)) => Row::AfterGap(sample, gap, fault),
+        })
+    }
+
+    /// The step from the row before: an error when time does not advance, something when it is a gap.
+    fn step(&self, last: f64, time: f64) -> Result<Option<(f64, LogError)>, LogError> {
+        let step = time - last;
+        let fault = |problem: String| LogError::row(&self.path, self.row, Some("time_s"), problem);
+        if step == 0.0 {
+            return Err(fault(format!("{time} s repeats the time of the row before")).help("times must increase"));
+        }
+        if step < 0.0 {
+            return Err(fault(format!("{time} s follows {last} s")).help("times must increase from row to row"));
+        }
+        if step <= LONGEST_STEP * self.interval {
+            return Ok(None);
+        }
+        let intervals = step / self.interval;
+        let problem = format!("gap of {step:.6} s ({intervals:.1} sampling intervals) from {last} s to {time} s");
+        let help = "at most 1.5 intervals are allowed; `--bridge-gaps SECONDS` fills short gaps by interpolation";
+        Ok(Some((step, fault(problem).help(help))))
+    }
+
+    fn angle(&self, batch: &Batch, row: usize) -> Vector3<f64> {
+        match &self.gyro_scale {
+            None => triple(batch, row, Group::DTHETA),
+            Some(scale) => triple(batch, row, Group::GYRO_PULSE).component_mul(scale),
+        }
+    }
+
+    fn force(&self, batch: &Batch, row: usize) -> Vector3<f64> {
+        match &self.accel_scale {
+            None => triple(batch, row, Group::DVEL),
+            Some(scale) => triple(batch, row, Group::ACCEL_PULSE).component_mul(scale),
+        }
+    }
+
+    fn increments(
+        &self,
+        group: Group,
+        values: &Vector3<f64>,
+        largest: f64,
+        [expected, unit]: [&str; 2],
+    ) -> Result<(), LogError> {
+        let limit = largest * self.interval;
+        // False for NaN too.
+        if values.iter().all(|value| value.abs() <= limit) {
+            return Ok(());
+        }
+        for (axis, value) in values.iter().enumerate() {
+            if !value.is_finite() {
+                return Err(self.cell_fault(group.first + axis, *value, expected));
+            }
+            if value.abs() > limit {
+                let problem = format!(
+                    "{value} in {} s is {:.1} {unit}, beyond what a turntable or a hand does ({largest:.1} {unit})",
+                    self.interval,
+                    value / self.interval
+                );
+                let help = if unit == "rad/s" {
+                    "degrees taken for radians? Angle increments over one interval are expected, not rates"
+                } else {
+                    "velocity increments over one interval are expected, not forces; in m/s, not in g"
+                };
+                let column = group.names().get(axis).copied();
+                return Err(LogError::row(&self.path, self.row, column, problem).help(help));
+            }
+        }
+        Ok(())
+    }
+
+    fn temperature(&self, batch: &Batch, row: usize, group: Group) -> Result<Vector3<f64>, LogError> {
+        let values = triple(batch, row, group);
+        let (low, high) = TEMPERATURES;
+        self.readings(group, values, low, high, "a temperature in degC")
+    }
+
+    fn dither(&self, batch: &Batch, row: usize) -> Result<Vector3<f64>, LogError> {
+        let values = triple(batch, row, Group::DITHER);
+        self.readings(Group::DITHER, values, 0.0, LARGEST_DITHER, "an amplitude in rad/s")
+    }
+
+    /// Readings of which each may be missing.
+    fn readings(
+        &self,
+        group: Group,
+        values: Vector3<f64>,
+        low: f64,
+        high: f64,
+        expected: &str,
+    ) -> Result<Vector3<f64>, LogError> {
+        for (axis, value) in values.iter().enumerate() {
+            if *value < low || *value > high {
+                let expected = format!("{expected} from {low} to {high}");
+                return Err(self.cell_fault(group.first + axis, *value, &expected));
+            }
+        }
+        Ok(values)
+    }
+
+    fn reference(&self, batch: &Batch, row: usize) -> Result<Reference, LogError> {
+        let Measured::Columns { velocity, position, attitude } = self.reference else {
+            let rest = Some(Vector3::zeros());
+            return Ok(Reference { velocity: rest, position: rest, attitude: None });
+        };
+        let mut reference = Reference::default();
+        if velocity {
+            let values = triple(batch, row, Group::REF_VEL);
+            reference.velocity = self.whole(Group::REF_VEL, values, LARGEST_REFERENCE[0], "a velocity in m/s")?;
+        }
+        if position {
+            let values = triple(batch, row, Group::REF_POS);
+            reference.position = self.whole(Group::REF_POS, values, LARGEST_REFERENCE[1], "a position in m")?;
+        }
+        if attitude {
+            reference.attitude = self.quaternion(batch, row)?;
+        }
+        Ok(reference)
+    }
+
+    /// A triple that is there or not.
+    fn whole(
+        &self,
+        group: Group,
+        values: Vector3<f64>,
+        largest: f64,
+        expected: &str,
+    ) -> Result<Option<Vector3<f64>>, LogError> {
+        if values.iter().all(|value| value.abs() <= largest) {
+            return Ok(Some(values));
+        }
+        if values.iter().all(|value| value.is_nan()) {
+            return Ok(None);
+        }
+        Err(self.partly(group, values.as_slice(), largest, expected))
+    }
+
+    fn quaternion(&self, batch: &Batch, row: usize) -> Result<Option<UnitQuaternion<f64>>, LogError> {
+        let group = Group::REF_QUAT;
+        let [w, x, y, z] = std::array::from_fn(|index| batch.cell(group.first + index, row));
+        let values = [w, x, y, z];
+        if values.iter().all(|value| value.is_nan()) {
+            return Ok(None);
+        }
+        if !values.iter().all(|value| value.is_finite()) {
+            return Err(self.partly(group, &values, f64::MAX, "a component of a unit quaternion"));
+        }
+        let quaternion = Quaternion::new(w, x, y, z);
+        let norm = quaternion.norm();
+        if (norm - 1.0).abs() > UNIT_TOLERANCE {
+            let problem = format!("has norm {norm:.6}, a unit quaternion was expected (within 0.001)");
+            let names = group.names().join("`, `");
+            return Err(LogError::row(&self.path, self.row, Some(&names), problem));
+        }
+        Ok(Some(UnitQuaternion::from_quaternion(quaternion)))
+    }
+
+    #[cold]
+    fn partly(&self, group: Group, values: &[f64], largest: f64, expected: &str) -> LogError {
+        let faulty = values.iter().position(|value| value.is_nan() || value.abs() > largest).unwrap_or(0);
+        let value = values.get(faulty).copied().unwrap_or(f64::NAN);
+        let fault = self.cell_fault(group.first + faulty, value, expected);
+        if value.is_nan() { fault.help(format!("{}: {TRIPLE}", group.names().join(", "))) } else { fault }
+    }
+
+    #[cold]
+    fn cell_fault(&self, slot: usize, value: f64, expected: &str) -> LogError {
+        let column = super::columns::NAMES.get(slot).copied();
+        LogError::row(&self.path, self.row, column, format!("is {value}, {expected} was expected"))
+    }
+}
+
+fn triple(batch: &Batch, row: usize, group: Group) -> Vector3<f64> {
+    Vector3::from_fn(|axis, _| batch.cell(group.first + axis, row))
+}

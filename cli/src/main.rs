@@ -1,0 +1,2 @@
+//! The program `sinscal`.
+fn main() {}

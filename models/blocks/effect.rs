@@ -1,0 +1,63 @@
+/// Declares the block of an effect: a unit type with [`Block`](calib_core::Block) and [`Effect`](crate::Effect).
+///
+/// `table` is the module of [`tables`](crate::tables) that knows names, unit and Jacobian; `jacobian` is `input` for an
+/// error of the sensors and `measurement` for one of the reference; `sheet` is the unit of data sheets and its size in SI.
+macro_rules! effect {
+    (
+        $(#[$doc:meta])*
+        $name:ident {
+            table: $table:ident,
+            jacobian: $jacobian:ident,
+            set: $set:ident,
+            needs: $needs:expr,
+            prior: $prior:expr,
+            sheet: $unit:literal = $scale:expr,
+        }
+    ) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        pub struct $name;
+
+        impl calib_core::Block for $name {
+            type Dynamics = $crate::Strapdown;
+            type View<'a, T: calib_core::Real> = calib_core::BlockView<'a, Self, T>;
+
+            const DIM: usize = $crate::tables::$table::TABLE.components.len();
+            const SET: calib_core::BlockSet = super::set::$set;
+            const NEEDS: &'static [calib_core::Need] = $needs;
+
+            fn states(visit: &mut dyn FnMut(calib_core::StateInfo)) {
+                <Self as $crate::Effect>::EFFECT.states(visit);
+            }
+
+            effect!(@jacobian $jacobian $table);
+        }
+
+        impl $crate::Effect for $name {
+            const EFFECT: $crate::EffectInfo = $crate::EffectInfo {
+                table: $crate::tables::$table::TABLE,
+                prior_sigma: $prior,
+                sheet_unit: $unit,
+                sheet_scale: $scale,
+            };
+        }
+    };
+    (@jacobian input $table:ident) => {
+        #[inline(always)]
+        fn input_jacobian<T: calib_core::Real>(
+            signals: &$crate::Signals<T>,
+            put: &mut impl FnMut(usize, usize, T),
+        ) {
+            $crate::tables::$table::input_jacobian(signals, put);
+        }
+    };
+    (@jacobian measurement $table:ident) => {
+        #[inline(always)]
+        fn measurement_jacobian<T: calib_core::Real>(
+            at: &$crate::Point<T>,
+            put: &mut impl FnMut(usize, usize, T),
+        ) {
+            $crate::tables::$table::measurement_jacobian(at, put);
+        }
+    };
+}

@@ -1,0 +1,18 @@
+use super::units::ARCSEC;
+
+effect! {
+    /// A reference that is not level: tilt about east and north.
+    ///
+    /// - Frame: rotation vector in n without a component up.
+    /// - Equation: `x_ref = (I - [tilt x]) x` for its velocity and position, `C_ref = (I - [tilt x]) C`. Not in the paper.
+    /// - Sign: the same as of the attitude error: a reference with a positive tilt looks like a computed frame with that error.
+    /// - Prior: 1 mrad, about 200 arcsec: a turntable levelled with a spirit level.
+    ReferenceTilt {
+        table: reference_tilt,
+        jacobian: measurement,
+        set: REFERENCE_TILT,
+        needs: &[],
+        prior: 1e-3,
+        sheet: "arcsec" = ARCSEC,
+    }
+}

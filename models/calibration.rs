@@ -1,0 +1,493 @@
+//! The closed-loop calibration run: navigation, sensitivities and filter over a log.
+
+use calib_core::{
+    Conventional, CoreVector, Filter, Form, Fade, Kalman, Matrix, Residuals, Shape, StateInfo, Transition,
+    Vector,
+};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+use crate::compensation::Compensator;
+use crate::strapdown::{Increments, NavigationState};
+use crate::{Point, Reference, Sample, Setup, Signals, Strapdown, earth};
+
+/// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
+const STEP_ANGLE: f64 = 0.02;
+/// The leading dynamics move in steps of at most this length, s.
+const STEP_TIME: f64 = 0.1;
+/// Without a reference the covariance still moves at least this often, s.
+const PREDICT_TIME: f64 = 1.0;
+/// Standard deviation of the velocity at the first sample, m/s: the first update replaces it.
+const INITIAL_VELOCITY_SIGMA: f64 = 0.5;
+/// Standard deviation of the position at the first sample, m. Wide on purpose: the first position update then leaves
+/// exactly the correlation between position and outer lever arm that `p = p_ref - C l` implies.
+const INITIAL_POSITION_SIGMA: f64 = 10.0;
+/// A parameter counts as estimated when the data say at least as much about it as its prior, that is when its standard
+/// deviation fell below this fraction (1/sqrt 2) of the prior's.
+const ESTIMATED: f64 = core::f64::consts::FRAC_1_SQRT_2;
+
+/// One calibrated parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name, component and units.
+    pub info: StateInfo,
+    /// Estimate, SI.
+    pub value: f64,
+    /// Standard deviation, SI.
+    pub sigma: f64,
+    /// Prior standard deviation, SI.
+    pub prior_sigma: f64,
+    /// Whether the data say at least as much as the prior.
+    pub estimated: bool,
+}
+
+/// What a measurement update found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Update {
+    /// Time of the sample, s.
+    pub time: f64,
+    /// Normalised innovation squared.
+    pub nis: f64,
+    /// Scalar measurements used.
+    pub degrees_of_freedom: usize,
+    /// Measurement groups that the gate refused, as bits in the order of the declaration.
+    pub rejected: u32,
+}
+
+/// Sums over the updates of one pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// Updates made.
+    pub updates: usize,
+    /// Scalar measurements used.
+    pub degrees_of_freedom: usize,
+    /// Sum of the normalised innovations squared.
+    pub nis: f64,
+    /// Gaussian log-likelihood of the innovations.
+    pub log_likelihood: f64,
+    /// Measurement groups that the gate refused.
+    pub rejected: usize,
+}
+
+impl Statistics {
+    /// Mean normalised innovation squared per scalar measurement; 1 when prediction and data agree.
+    pub fn nis_per_dof(&self) -> f64 {
+        self.nis / self.degrees_of_freedom as f64
+    }
+}
+
+/// The filter stopped making sense.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Diverged {
+    /// Time of the sample, s.
+    pub time: f64,
+}
+
+impl core::fmt::Display for Diverged {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "the filter diverged at {} s: its innovation covariance is no longer positive definite", self.time)
+    }
+}
+
+impl core::error::Error for Diverged {}
+
+/// A closed-loop calibration with the declared filter `F`, its covariance in form `C`.
+///
+/// Navigation runs at the rate of the samples. Between updates the rows `[Phi Psi]` are accumulated; at the reference's
+/// rate the covariance moves, the residuals `computed - reference` update it, and the navigation errors are fed back.
+/// In the first pass the parameters are fed back too. A further pass ([`begin_pass`](Self::begin_pass)) linearises about
+/// the parameters found, held fixed, and estimates the rest that remains: iterated to the end this is the
+/// maximum of the posterior, prior included, whatever the number of passes.
+pub struct Calibration<F: Filter<Dynamics = Strapdown>, C: Form = Conventional> {
+    kalman: Kalman<F, f64, C>,
+    transition: Transition<F, f64>,
+    density: CoreVector<F, f64>,
+    parameters: Vector<F, f64>,
+    prior: Vector<F, f64>,
+    lever_at: Option<usize>,
+    hold_parameters: bool,
+    compensator: Compensator,
+    navigation: NavigationState<f64>,
+    previous: Increments<f64>,
+    previous_rate: Vector3<f64>,
+    time: Option<f64>,
+    next_update: f64,
+    step: Step,
+    statistics: Statistics,
+    setup: Scalars,
+}
+
+/// The part of a [`Setup`] that outlives it.
+#[derive(Clone, Copy)]
+struct Scalars {
+    rate: f64,
+    site: crate::Site,
+    initial: crate::InitialAttitude,
+    reference: crate::ReferenceSigma,
+    update_rate: f64,
+    reference_temperature: f64,
+    outer_lever: Vector3<f64>,
+}
+
+/// What the samples since the last step of the leading dynamics add up to.
+#[derive(Clone, Copy)]
+struct Step {
+    elapsed: f64,
+    turned: f64,
+    velocity_n: Vector3<f64>,
+}
+
+impl Step {
+    const EMPTY: Self = Self { elapsed: 0.0, turned: 0.0, velocity_n: Vector3::new(0.0, 0.0, 0.0) };
+}
+
+impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
+    /// A run that has seen nothing yet.
+    pub fn new(setup: &Setup) -> Self {
+        let mut prior = Kalman::<F, f64, C>::prior();
+        let mut lever_at = None;
+        let mut i = 0;
+        F::states(&mut |info| {
+            if let Some((_, sigma)) = setup.priors.iter().find(|(name, _)| *name == info.block) {
+                prior[i] = *sigma;
+            }
+            if info.block == "outer-lever-arm" && lever_at.is_none() {
+                lever_at = Some(i);
+            }
+            i += 1;
+        });
+        let initial = &setup.initial;
+        let start = [
+            initial.level_sigma,
+            initial.level_sigma,
+            initial.heading_sigma,
+            INITIAL_VELOCITY_SIGMA,
+            INITIAL_VELOCITY_SIGMA,
+            INITIAL_VELOCITY_SIGMA,
+            INITIAL_POSITION_SIGMA,
+            INITIAL_POSITION_SIGMA,
+            INITIAL_POSITION_SIGMA,
+        ];
+        let mut density = F::Shape::core_vector(0.0);
+        for i in 0..F::Shape::CORE {
+            prior[i] = start[i];
+            density[i] = match i {
+                0..3 => setup.noise.angle_random_walk.powi(2),
+                3..6 => setup.noise.velocity_random_walk.powi(2),
+                _ => 0.0,
+            };
+        }
+        let scalars = Scalars {
+            rate: setup.rate,
+            site: setup.site,
+            initial: setup.initial,
+            reference: setup.reference,
+            update_rate: setup.update_rate,
+            reference_temperature: setup.reference_temperature,
+            outer_lever: setup.outer_lever,
+        };
+        Self {
+            kalman: Kalman::new(&prior),
+            transition: Transition::new(),
+            density,
+            parameters: F::Shape::vector(0.0),
+            prior,
+            lever_at,
+            hold_parameters: false,
+            compensator: Compensator::new(setup.reference_temperature),
+            navigation: NavigationState::at_rest(&setup.site, setup.initial.attitude),
+            previous: Increments::zero(),
+            previous_rate: Vector3::zeros(),
+            time: None,
+            next_update: f64::NEG_INFINITY,
+            step: Step::EMPTY,
+            statistics: Statistics::default(),
+            setup: scalars,
+        }
+    }
+
+    /// Begins another pass over the same log, linearised about the parameters found so far; the prior stays what it was.
+    pub fn begin_pass(&mut self) {
+        for i in F::Shape::CORE..F::Shape::STATES {
+            self.parameters[i] += self.kalman.x()[i];
+        }
+        self.kalman = Kalman::new(&self.prior);
+        for i in F::Shape::CORE..F::Shape::STATES {
+            // a parameter state is truth - estimate, and the prior's mean of the truth is zero
+            self.kalman.x_mut()[i] = -self.parameters[i];
+        }
+        self.hold_parameters = true;
+        self.transition.reset();
+        self.compensator = Compensator::new(self.setup.reference_temperature);
+        self.navigation = NavigationState::at_rest(&self.setup.site, self.setup.initial.attitude);
+        self.previous = Increments::zero();
+        self.time = None;
+        self.next_update = f64::NEG_INFINITY;
+        self.step = Step::EMPTY;
+        self.statistics = Statistics::default();
+    }
+
+    /// Takes in the next sample. Returns what the update found where there was one.
+    ///
+    /// # Errors
+    /// When the filter has diverged; the run cannot go on.
+    pub fn step(&mut self, sample: &Sample) -> Result<Option<Update>, Diverged> {
+        let dt = match self.time {
+            Some(before) => sample.time - before,
+            None => 1.0 / self.setup.rate,
+        };
+        self.compensator.read(sample);
+        let (now, mut signals) = self.compensator.compensate::<F>(sample, dt, &self.parameters);
+        let end_rate = if self.time.is_some() {
+            // the mean rates of two intervals, carried on to the end of the second
+            signals.rate + (signals.rate - self.previous_rate) * 0.5
+        } else {
+            signals.rate
+        };
+        if self.time.is_some() {
+            self.navigate(&now, &signals, dt);
+        } else {
+            self.begin(sample);
+        }
+        self.time = Some(sample.time);
+        self.previous = now;
+        self.previous_rate = signals.rate;
+
+        let wanted = sample.time >= self.next_update;
+        let residuals_due = wanted && has_reference(&sample.reference);
+        if !residuals_due && self.transition.elapsed() + self.step.elapsed < PREDICT_TIME {
+            return Ok(None);
+        }
+        signals.rate = end_rate;
+        self.predict();
+        if !residuals_due {
+            return Ok(None);
+        }
+        self.update(sample, &signals)
+    }
+
+    /// The first sample says where the run begins; its attitude is the initial one.
+    fn begin(&mut self, sample: &Sample) {
+        if let Some(velocity) = sample.reference.velocity {
+            self.navigation.velocity = velocity;
+        }
+        if let Some(position) = sample.reference.position {
+            let lever = self.lever();
+            self.navigation.displace(&(position - self.navigation.attitude * lever));
+        }
+    }
+
+    fn navigate(&mut self, now: &Increments<f64>, signals: &Signals<f64>, dt: f64) {
+        // C_bn in the middle of the interval
+        let c = self.navigation.c_bn();
+        let middle = c + c * now.dtheta.cross_matrix() * 0.5;
+        self.navigation.step(now, &self.previous, dt);
+        self.step.velocity_n += middle * now.dvel;
+        self.step.elapsed += dt;
+        self.step.turned += now.dtheta.norm();
+        let at = self.point(middle, self.step.velocity_n / self.step.elapsed, &signals.rate);
+        self.transition.absorb(&at, signals, dt);
+        if self.step.elapsed >= STEP_TIME || self.step.turned >= STEP_ANGLE {
+            self.transition.advance(&at, self.step.elapsed);
+            self.step = Step::EMPTY;
+        }
+    }
+
+    fn predict(&mut self) {
+        if self.step.elapsed > 0.0 {
+            let at = self.point(
+                self.navigation.c_bn(),
+                self.step.velocity_n / self.step.elapsed,
+                &self.previous_rate,
+            );
+            self.transition.advance(&at, self.step.elapsed);
+            self.step = Step::EMPTY;
+        }
+        if self.transition.elapsed() == 0.0 {
+            return;
+        }
+        let elapsed = self.transition.elapsed();
+        self.kalman.predict(&self.transition, &self.density);
+        F::relaxation(&mut |state, relaxation| {
+            self.parameters[state] *= Fade::over(relaxation, state, elapsed).keep;
+        });
+        self.transition.reset();
+        self.feed_back_navigation();
+    }
+
+    fn update(&mut self, sample: &Sample, signals: &Signals<f64>) -> Result<Option<Update>, Diverged> {
+        let at = self.point(self.navigation.c_bn(), self.navigation.attitude * signals.force, &signals.rate);
+        let residuals = self.residuals(&sample.reference, &at);
+        if residuals.is_empty() {
+            return Ok(None);
+        }
+        let found = self
+            .kalman
+            .update(&at, signals, residuals, None)
+            .map_err(|_| Diverged { time: sample.time })?;
+        if !found.nis.is_finite() {
+            return Err(Diverged { time: sample.time });
+        }
+        self.feed_back_navigation();
+        if !self.hold_parameters {
+            for i in F::Shape::CORE..F::Shape::STATES {
+                self.parameters[i] += self.kalman.x()[i];
+                self.kalman.x_mut()[i] = 0.0;
+            }
+        }
+        // half a sample of slack, so that rounding of the time stamps does not skip a reading
+        self.next_update = sample.time + 1.0 / self.setup.update_rate - 0.5 / self.setup.rate;
+        self.statistics.updates += 1;
+        self.statistics.degrees_of_freedom += found.degrees_of_freedom;
+        self.statistics.nis += found.nis;
+        self.statistics.log_likelihood += found.log_likelihood;
+        self.statistics.rejected += found.rejected.count_ones() as usize;
+        Ok(Some(Update {
+            time: sample.time,
+            nis: found.nis,
+            degrees_of_freedom: found.degrees_of_freedom,
+            rejected: found.rejected,
+        }))
+    }
+
+    /// Residuals `computed - reference`, by the estimates of the blocks that act on the measurement.
+    fn residuals(&self, reference: &Reference, at: &Point<f64>) -> Residuals<F, f64> {
+        let mut expected = [0.0; 9];
+        // the direct effect of a block's estimate is minus that of its remaining error; the first guess of the lever arm
+        // is no state and stands in `point_velocity` and `point_position`
+        F::measurement_jacobian(at, &mut |channel, state, value| {
+            expected[channel] -= value * self.parameters[state];
+        });
+        let expected = |first: usize| Vector3::new(expected[first], expected[first + 1], expected[first + 2]);
+        let mut residuals = Residuals::<F, f64>::default();
+        let guess = at.c_bn * self.setup.outer_lever;
+        let guess_velocity = at.c_bn * at.rate_eb.cross(&self.setup.outer_lever);
+        let sigma = &self.setup.reference;
+        let mut set = |first: usize, z: Vector3<f64>, sigma: f64| {
+            for i in 0..3 {
+                residuals.set(first + i, z[i], sigma);
+            }
+        };
+        if let Some(velocity) = reference.velocity {
+            set(0, at.velocity + guess_velocity + expected(0) - velocity, sigma.velocity);
+        }
+        if let Some(position) = reference.position {
+            set(3, at.position + guess + expected(3) - position, sigma.position);
+        }
+        if let Some(attitude) = &reference.attitude {
+            // C_hat = (I - [z x]) C_ref
+            let z = -(self.navigation.attitude * attitude.inverse()).scaled_axis();
+            set(6, z + expected(6), sigma.attitude);
+        }
+        residuals
+    }
+
+    /// Puts the estimated navigation errors into the navigation solution.
+    fn feed_back_navigation(&mut self) {
+        let x = self.kalman.x_mut();
+        let phi = Vector3::new(x[0], x[1], x[2]);
+        let dv = Vector3::new(x[3], x[4], x[5]);
+        let dp = Vector3::new(x[6], x[7], x[8]);
+        for i in 0..F::Shape::CORE {
+            x[i] = 0.0;
+        }
+        self.navigation.correct(&phi, &dv, &dp);
+    }
+
+    /// Current estimate of the outer lever arm, b, m.
+    fn lever(&self) -> Vector3<f64> {
+        match self.lever_at {
+            Some(i) => {
+                let p = &self.parameters;
+                self.setup.outer_lever + Vector3::new(p[i], p[i + 1], p[i + 2])
+            }
+            None => self.setup.outer_lever,
+        }
+    }
+
+    fn point(&self, c_bn: Matrix3<f64>, force_n: Vector3<f64>, rate: &Vector3<f64>) -> Point<f64> {
+        let navigation = &self.navigation;
+        let rate_eb = rate - c_bn.transpose() * earth::rotation_n(navigation.latitude);
+        let lever = self.lever();
+        let position = navigation.position(&self.setup.site);
+        Point {
+            c_bn,
+            velocity: navigation.velocity,
+            latitude: navigation.latitude,
+            height: navigation.height,
+            position,
+            force_n,
+            rate_eb,
+            lever,
+            point_velocity: navigation.velocity + c_bn * rate_eb.cross(&lever),
+            point_acceleration: force_n
+                - Vector3::z() * earth::gravity(navigation.latitude, navigation.height)
+                + c_bn * rate_eb.cross(&rate_eb.cross(&lever)),
+            point_position: position + c_bn * lever,
+        }
+    }
+
+    /// Visits the parameters in the order of the declaration.
+    pub fn parameters(&self, visit: &mut dyn FnMut(Parameter)) {
+        let mut i = 0;
+        F::states(&mut |info| {
+            if i >= F::Shape::CORE {
+                let sigma = self.kalman.sigma(i);
+                visit(Parameter {
+                    info,
+                    value: self.value(i),
+                    sigma,
+                    prior_sigma: self.prior[i],
+                    estimated: sigma < ESTIMATED * self.prior[i],
+                });
+            }
+            i += 1;
+        });
+    }
+
+    /// Estimate of state `i` as people know it: the outer lever arm includes its first guess.
+    fn value(&self, i: usize) -> f64 {
+        let guess = match self.lever_at {
+            Some(at) if (at..at + 3).contains(&i) => self.setup.outer_lever[i - at],
+            _ => 0.0,
+        };
+        guess + self.parameters[i] + self.kalman.x()[i]
+    }
+
+    /// Parameter estimates by state; the leading states are zero. What [`Compensator::compensate`] takes.
+    pub fn estimate(&self) -> Vector<F, f64> {
+        let mut estimate = self.parameters;
+        for i in F::Shape::CORE..F::Shape::STATES {
+            estimate[i] += self.kalman.x()[i];
+        }
+        estimate
+    }
+
+    /// Covariance of the navigation errors and of the parameters.
+    pub fn covariance(&self) -> Matrix<F, f64> {
+        self.kalman.covariance()
+    }
+
+    /// The navigation solution at the last sample.
+    pub fn navigation(&self) -> &NavigationState<f64> {
+        &self.navigation
+    }
+
+    /// Position of the IMU from the site origin in n at the last sample, m.
+    pub fn position(&self) -> Vector3<f64> {
+        self.navigation.position(&self.setup.site)
+    }
+
+    /// Attitude at the last sample.
+    pub fn attitude(&self) -> UnitQuaternion<f64> {
+        self.navigation.attitude
+    }
+
+    /// Sums over the updates of this pass.
+    pub fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+}
+
+fn has_reference(reference: &Reference) -> bool {
+    reference.velocity.is_some() || reference.position.is_some() || reference.attitude.is_some()
+}

@@ -1,0 +1,1 @@
+"""One file per effect: what the sensors or the reference report beyond the truth."""

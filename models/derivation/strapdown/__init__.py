@@ -1,0 +1,1 @@
+"""The navigation errors of a strapdown system and its measurement residuals."""

@@ -1,0 +1,146 @@
+//! The declared filters: five for a strapdown system with dithered ring laser gyros, two for MEMS units.
+//!
+//! The names of the first five count their states and say whether the dither coupling is in ("B") or not ("P"), as in
+//! table 3 of Xing, Yang and Cai, *Sensors* 22(1):278, 2022 (DOI 10.3390/s22010278).
+
+use calib_core::Filter;
+use state_macro::StateBlocks;
+
+use crate::blocks::groups::*;
+use crate::blocks::*;
+use crate::Strapdown;
+
+/// 36 states: navigation 9, gyro 9, accelerometer 15, outer lever arm 3.
+#[derive(StateBlocks)]
+#[filter(name = "36d-p", measures(velocity, position))]
+pub struct Sins36P {
+    attitude: Attitude,
+    velocity: Velocity,
+    position: Position,
+    gyro: GyroErrors,
+    accel: AccelErrors,
+    outer_lever: OuterLeverArm,
+}
+
+/// 39 states: 36D-P and the inner lever arm of each accelerometer along its own axis.
+#[derive(StateBlocks)]
+#[filter(name = "39d-p", measures(velocity, position))]
+pub struct Sins39P {
+    #[base]
+    sins: Sins36P,
+    inner_lever: InnerLeverArm,
+}
+
+/// 40 states: 39D-P and the accelerometer delay.
+#[derive(StateBlocks)]
+#[filter(name = "40d-p", measures(velocity, position))]
+pub struct Sins40P {
+    #[base]
+    sins: Sins39P,
+    delay: AccelDelay,
+}
+
+/// 43 states: 40D-P and the temperature scale factor of each accelerometer.
+#[derive(StateBlocks)]
+#[filter(name = "43d-p", measures(velocity, position))]
+pub struct Sins43P {
+    #[base]
+    sins: Sins40P,
+    temperature: AccelTemperatureScale,
+}
+
+/// The states of 43D-P, with the gyros' dither acting through the inner lever arm.
+#[derive(StateBlocks)]
+#[filter(name = "43d-b", measures(velocity, position))]
+pub struct Sins43B {
+    attitude: Attitude,
+    velocity: Velocity,
+    position: Position,
+    gyro: GyroErrors,
+    accel: AccelErrors,
+    outer_lever: OuterLeverArm,
+    inner_lever: InnerLeverArm,
+    delay: AccelDelay,
+    temperature: AccelTemperatureScale,
+    dither: Dither,
+}
+
+/// 30 states for a unit carried by hand: navigation 9, gyro 9, accelerometer scale, installation and bias 12; its velocity
+/// is known while it stands still.
+#[derive(StateBlocks)]
+#[filter(name = "mems-30d", measures(velocity))]
+pub struct Mems30 {
+    attitude: Attitude,
+    velocity: Velocity,
+    position: Position,
+    gyro: GyroErrors,
+    accel: LinearAccelErrors,
+}
+
+/// 35 states for a unit seen by a motion-capture system: those of `mems-30d`, how the system's body frame is mounted on the
+/// unit, and how its level is tilted.
+#[derive(StateBlocks)]
+#[filter(name = "tracked-35d", measures(position, attitude))]
+pub struct Tracked35 {
+    #[base]
+    sins: Mems30,
+    mounting: ReferenceMisalignment,
+    tilt: ReferenceTilt,
+}
+
+/// What to do with a filter chosen by name at run time.
+pub trait FilterVisitor {
+    /// What comes of it.
+    type Output;
+    /// Called with the declared filter.
+    fn visit<F: Filter<Dynamics = Strapdown>>(self) -> Self::Output;
+}
+
+macro_rules! declared {
+    ($($filter:ty: $about:literal),+ $(,)?) => {
+        /// Every declared filter, in the order of their size.
+        pub const FILTERS: &[FilterInfo] = &[$(FilterInfo::of::<$filter>($about)),+];
+
+        /// Calls `visitor` with the filter called `name`; `None` when there is none.
+        pub fn visit_filter<V: FilterVisitor>(name: &str, visitor: V) -> Option<V::Output> {
+            $(if name == <$filter as Filter>::NAME {
+                return Some(visitor.visit::<$filter>());
+            })+
+            None
+        }
+    };
+}
+
+declared! {
+    Sins36P: "gyro and accelerometer errors, outer lever arm",
+    Sins39P: "36d-p and inner lever arm",
+    Sins40P: "39d-p and accelerometer delay",
+    Sins43P: "40d-p and accelerometer temperature scale factor",
+    Sins43B: "43d-p with the dither coupling of the inner lever arm",
+    Mems30: "a MEMS unit carried by hand, velocity known when still",
+    Tracked35: "a MEMS unit tracked by position and attitude",
+}
+
+/// A declared filter as people choose it.
+#[derive(Clone, Copy, Debug)]
+pub struct FilterInfo {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// Number of states.
+    pub states: usize,
+    /// What it holds, in a few words.
+    pub about: &'static str,
+    measures: &'static [usize],
+}
+
+impl FilterInfo {
+    const fn of<F: Filter<Dynamics = Strapdown>>(about: &'static str) -> Self {
+        Self { name: F::NAME, states: F::DIM, about, measures: F::MEASURES }
+    }
+
+    /// Names of the measurements, in order.
+    pub fn measures(&self) -> impl Iterator<Item = &'static str> {
+        use calib_core::Dynamics;
+        self.measures.iter().map(|group| Strapdown::CHANNELS[*group].name)
+    }
+}

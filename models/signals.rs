@@ -1,0 +1,57 @@
+//! What the sensor-error models depend on.
+
+use calib_core::Real;
+use nalgebra::Vector3;
+
+/// The true motion and environment at one instant, as the error models see it.
+///
+/// All vectors have components along the body axes right, forward, up; accelerometer i and gyro i stand on
+/// axis i. "Error" of a sensor is measured minus true.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Signals<T: Real> {
+    /// Angular rate of the body against inertial space, rad/s.
+    pub rate: Vector3<T>,
+    /// Its time derivative, rad/s^2.
+    pub angular_acceleration: Vector3<T>,
+    /// Specific force at the IMU's sensitive centre, m/s^2.
+    pub force: Vector3<T>,
+    /// Temperature at each accelerometer minus the reference temperature, K.
+    pub temperature: Vector3<T>,
+    /// Its time derivative, K/s.
+    pub temperature_rate: Vector3<T>,
+    /// Temperature at each gyro minus the reference temperature, K.
+    pub gyro_temperature: Vector3<T>,
+    /// Mean square of the dither rate about each axis, A^2/2, (rad/s)^2.
+    pub dither: Vector3<T>,
+    /// Time since the first sample, s.
+    pub time: T,
+}
+
+/// Where the strapdown error model is linearised: navigation solution, inputs and lever arm.
+///
+/// n is east, north, up at the current position; b is right, forward, up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point<T: Real> {
+    /// Turns b components into n components.
+    pub c_bn: nalgebra::Matrix3<T>,
+    /// Velocity over ground of the IMU in n, m/s.
+    pub velocity: Vector3<T>,
+    /// Geodetic latitude, rad.
+    pub latitude: T,
+    /// Height over the ellipsoid, m.
+    pub height: T,
+    /// Position of the IMU from the site origin in n, m.
+    pub position: Vector3<T>,
+    /// Specific force in n, m/s^2.
+    pub force_n: Vector3<T>,
+    /// Angular rate of the body against the Earth (omega_eb) in b, rad/s.
+    pub rate_eb: Vector3<T>,
+    /// Outer lever arm l: from the IMU's sensitive centre to the observed point, in b, m.
+    pub lever: Vector3<T>,
+    /// Velocity of the observed point over ground in n, m/s.
+    pub point_velocity: Vector3<T>,
+    /// Acceleration of the observed point over ground in n, m/s^2.
+    pub point_acceleration: Vector3<T>,
+    /// Position of the observed point from the site origin in n, m.
+    pub point_position: Vector3<T>,
+}

@@ -1,0 +1,74 @@
+//! The strapdown error model as a family of dynamics.
+
+use calib_core::{BlockSet, ChannelGroup, Dynamics, Need, Real};
+use nalgebra::Vector3;
+
+use crate::blocks::set;
+use crate::{Point, Signals, tables};
+
+/// Navigation errors of a strapdown system: attitude, velocity and position, nine states.
+///
+/// - States: phi (rad), dv (m/s) and dp (m), each east, north, up; computed minus true, `C_hat = (I - [phi x]) C`.
+/// - Inputs: errors of the three angular rates (0 to 2) and the three specific forces (3 to 5) in b, measured minus true.
+/// - Channels: velocity and position of the observed point and attitude, predicted minus reference;
+///   `C_pred = (I - [z_a x]) C_ref`.
+/// - Source: Eq. 40-42 and 46-49 of doi:10.3390/s22010278.
+#[derive(Clone, Copy, Debug)]
+pub struct Strapdown;
+
+const ENU: &[&str] = &["e", "n", "u"];
+
+impl Dynamics for Strapdown {
+    const CORE: usize = 9;
+    const INPUTS: usize = 6;
+    const CHANNELS: &'static [ChannelGroup] = &[
+        ChannelGroup { name: "velocity", first: 0, components: ENU, unit: "m/s" },
+        ChannelGroup { name: "position", first: 3, components: ENU, unit: "m" },
+        ChannelGroup { name: "attitude", first: 6, components: ENU, unit: "rad" },
+    ];
+    const NEEDS: &'static [Need] = &[
+        Need {
+            any_of: set::ATTITUDE,
+            message: "a strapdown filter begins with its attitude errors: declare `attitude: Attitude` first",
+        },
+        Need {
+            any_of: set::VELOCITY,
+            message: "a strapdown filter carries its velocity errors: declare `velocity: Velocity` after `attitude`",
+        },
+        Need {
+            any_of: set::POSITION,
+            message: "a strapdown filter carries its position errors: declare `position: Position` after `velocity`",
+        },
+    ];
+
+    type Signals<T: Real> = Signals<T>;
+    type Point<T: Real> = Point<T>;
+
+    /// Forgets the dither where no declared block knows of it.
+    #[inline(always)]
+    fn restrict<T: Real>(signals: &mut Signals<T>, blocks: BlockSet) {
+        if !blocks.intersects(set::DITHER.union(set::DITHER_SIZE_EFFECT)) {
+            signals.dither = Vector3::zeros();
+        }
+    }
+
+    #[inline(always)]
+    fn core_jacobian<T: Real>(at: &Point<T>, put: &mut impl FnMut(usize, usize, T)) {
+        tables::strapdown_core::core_jacobian(at, put);
+    }
+
+    #[inline(always)]
+    fn inject<T: Real>(at: &Point<T>, input: usize, value: T, put: &mut impl FnMut(usize, T)) {
+        tables::strapdown_injection::inject(at, input, value, put);
+    }
+
+    #[inline(always)]
+    fn measurement_jacobian<T: Real>(at: &Point<T>, put: &mut impl FnMut(usize, usize, T)) {
+        tables::strapdown_residual::measurement_jacobian(at, put);
+    }
+
+    #[inline(always)]
+    fn measure_input<T: Real>(at: &Point<T>, input: usize, value: T, put: &mut impl FnMut(usize, T)) {
+        tables::strapdown_residual_input::measure_input(at, input, value, put);
+    }
+}

@@ -1,0 +1,106 @@
+//! What the names of a declaration show to be wrong. What only types can tell is left to `calib_core::declare`.
+
+use quote::{ToTokens, quote};
+
+use crate::ast::Declaration;
+use crate::attr::Kind;
+use crate::errors::Errors;
+use crate::layout::Layout;
+use crate::view::shown;
+
+/// Reports every mistake that is seen without types, and marks the fields it has spoken about.
+pub(crate) fn check(declaration: &mut Declaration, errors: &mut Errors) {
+    kind(declaration, errors);
+    measures(declaration, errors);
+    name(declaration, errors);
+    bases(declaration, errors);
+    types(declaration, errors);
+    dynamics(declaration, errors);
+}
+
+fn kind(declaration: &Declaration, errors: &mut Errors) {
+    if declaration.attrs.kind.is_none() {
+        errors.at(
+            declaration.ident,
+            "a filter or a group of blocks? Say `#[filter(measures(...))]` or `#[group]` above the struct",
+        );
+    }
+}
+
+fn measures(declaration: &Declaration, errors: &mut Errors) {
+    let Some(measures) = &declaration.attrs.measures else {
+        if declaration.attrs.kind == Some(Kind::Filter) && declaration.base().is_none() {
+            errors.at(
+                declaration.ident,
+                "a filter without a base says what it measures: `#[filter(measures(velocity, position))]`",
+            );
+        }
+        return;
+    };
+    if measures.names.is_empty() {
+        errors.at(&measures.keyword, "a filter measures something: `measures(velocity, position)`");
+    }
+    for (i, name) in measures.names.iter().enumerate() {
+        if measures.names[..i].contains(name) {
+            errors.at(name, format_args!("`{name}` is measured twice"));
+        }
+    }
+}
+
+fn name(declaration: &Declaration, errors: &mut Errors) {
+    let Some(name) = &declaration.attrs.name else { return };
+    let text = name.value();
+    let allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+    if text.is_empty() || !text.chars().all(allowed) {
+        errors.at(
+            name,
+            "a filter's name is made of lower-case letters, digits and hyphens: `name = \"43d-b\"`",
+        );
+    }
+}
+
+fn bases(declaration: &Declaration, errors: &mut Errors) {
+    let group = declaration.attrs.kind == Some(Kind::Group);
+    let mut first = None;
+    for (i, field) in declaration.fields.iter().enumerate().filter(|(_, field)| field.base) {
+        let ident = field.ident;
+        if group {
+            errors.at(field, format_args!("`{ident}` in a group: only a filter extends a base"));
+        } else if let Some(first) = first {
+            errors.at(field, format_args!("a second base: the filter already extends `{first}`"));
+        } else if i > 0 {
+            let leading = declaration.fields[0].ident;
+            errors.at(field, format_args!("the base comes first: `{ident}` stands after `{leading}`"));
+        }
+        first = first.or(Some(ident));
+    }
+}
+
+/// The same type twice; a type under two names, or within a group, is left to the compiler.
+fn types(declaration: &mut Declaration, errors: &mut Errors) {
+    let mut seen: Vec<(String, String)> = Vec::new();
+    for field in &mut declaration.fields {
+        let ty = field.ty.to_token_stream().to_string();
+        match seen.iter().find(|(earlier, _)| *earlier == ty) {
+            Some((_, name)) => {
+                let ident = field.ident;
+                let shown = shown(field.ty);
+                errors.at(
+                    quote!(#field),
+                    format_args!("`{ident}` declares a block twice: `{name}` is already `{shown}`"),
+                );
+                field.repeated = true;
+            }
+            None => seen.push((ty, field.ident.to_string())),
+        }
+    }
+}
+
+fn dynamics(declaration: &Declaration, errors: &mut Errors) {
+    let attrs = declaration.attrs;
+    if let Some(krate) = &attrs.krate
+        && Layout::of(declaration).is_none()
+    {
+        errors.at(krate, "`crate` without `dynamics`: only `sinscal` has dynamics to fall back on");
+    }
+}

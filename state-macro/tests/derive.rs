@@ -1,0 +1,138 @@
+//! What the derive writes, run on a family of dynamics small enough to check by hand.
+#![deny(warnings)]
+
+mod toy;
+
+use calib_core::{Block, Dim, Dynamics, Estimate, Filter, Shape, View};
+use state_macro::StateBlocks;
+use toy::{Beacon, Bias, Force, Place, Rail, Scale, Speed, Sway, Wander};
+
+#[derive(StateBlocks)]
+#[filter(dynamics = Rail, measures(position), crate = calib_core)]
+struct Cart {
+    place: Place,
+    speed: Speed,
+    /// Errors of the accelerometer.
+    accel: Accel,
+    beacon: Beacon,
+    sway: Sway,
+}
+
+#[derive(StateBlocks)]
+#[group(dynamics = Rail, crate = calib_core)]
+pub(crate) struct Accel {
+    scale: Scale,
+    bias: Bias,
+}
+
+#[derive(StateBlocks)]
+#[group(dynamics = Rail, crate = calib_core)]
+struct Start {
+    place: Place,
+    speed: Speed,
+}
+
+#[derive(StateBlocks)]
+#[filter(crate = calib_core, measures(velocity, position), name = "long-cart")]
+struct LongCart {
+    #[base]
+    cart: Cart,
+    r#wander: Wander,
+}
+
+#[derive(StateBlocks)]
+#[filter(crate = calib_core)]
+struct SameMeasurements {
+    #[base]
+    cart: LongCart,
+}
+
+#[derive(StateBlocks)]
+#[filter(crate = calib_core, dynamics = toy::Rail, measures(velocity,))]
+struct FromGroups {
+    start: Start,
+    accel: Accel,
+}
+
+#[test]
+fn sizes_are_constants() {
+    const { assert!(Cart::DIM == 5 && LongCart::DIM == 6 && Accel::DIM == 2 && FromGroups::DIM == 4) }
+    let _: Dim<5, 2, 1>;
+    fn shape<F: Filter>() -> (usize, usize, usize) {
+        (F::Shape::STATES, F::Shape::CORE, F::Shape::ROWS)
+    }
+    assert_eq!(shape::<Cart>(), (5, 2, 1));
+    assert_eq!(shape::<LongCart>(), (6, 2, 2));
+    assert_eq!(shape::<SameMeasurements>(), (6, 2, 2));
+    assert_eq!(shape::<FromGroups>(), (4, 2, 1));
+}
+
+#[test]
+fn offsets_have_names() {
+    assert_eq!(Cart::OFFSETS, CartOffsets { place: 0, speed: 1, accel: 2, beacon: 4, sway: 5 });
+    assert_eq!(LongCart::OFFSETS, LongCartOffsets { cart: 0, wander: 5 });
+    assert_eq!(Accel::OFFSETS, AccelOffsets { scale: 0, bias: 1 });
+}
+
+#[test]
+fn names_and_measurements_are_declared() {
+    assert_eq!(Cart::NAME, "cart");
+    assert_eq!(LongCart::NAME, "long-cart");
+    assert_eq!(SameMeasurements::NAME, "same-measurements");
+    assert_eq!(Cart::MEASURES, [0]);
+    assert_eq!(LongCart::MEASURES, [1, 0]);
+    assert_eq!(SameMeasurements::MEASURES, [1, 0]);
+    assert_eq!(LongCart::row(1), Some(0));
+}
+
+#[test]
+fn states_come_in_order() {
+    let mut blocks = Vec::new();
+    LongCart::states(&mut |info| blocks.push(info.block));
+    assert_eq!(blocks, ["Place", "Speed", "Scale", "Bias", "Beacon", "Wander"]);
+}
+
+#[test]
+fn jacobians_are_shifted_to_their_fields() {
+    let mut entries = Vec::new();
+    LongCart::input_jacobian(&Force { force: 9.5 }, &mut |input, state, value: f64| {
+        entries.push((input, state, value));
+    });
+    assert_eq!(entries, [(0, 2, 9.5), (0, 3, 1.0), (0, 5, 1.0)]);
+
+    let mut entries = Vec::new();
+    <LongCart as Block>::measurement_jacobian(&(), &mut |channel, state, value: f32| {
+        entries.push((channel, state, value));
+    });
+    assert_eq!(entries, [(0, 4, -1.0)]);
+
+    let mut entries = Vec::new();
+    LongCart::relaxation(&mut |state, relaxation: calib_core::Relaxation<f64>| {
+        entries.push((state, relaxation.rate));
+    });
+    assert_eq!(entries, [(5, 0.1)]);
+}
+
+#[test]
+fn a_declaration_knows_its_blocks() {
+    const { assert!(LongCart::RELAXES && !Cart::RELAXES && !Accel::RELAXES) }
+    assert!(Rail::NEEDS.iter().all(|need| LongCart::SET.intersects(need.any_of)));
+    assert!(Cart::SET.contains(Accel::SET) && Cart::SET.contains(Beacon::SET));
+    assert!(!Accel::SET.intersects(Beacon::SET));
+}
+
+#[test]
+fn an_estimate_is_read_by_name() {
+    let x: Vec<f64> = (0..6).map(f64::from).collect();
+    let p: Vec<f64> = (0..36).map(|k| f64::from(k * k)).collect();
+    let view = LongCartView::at(Estimate { x: &x, p: &p }, 0);
+    assert_eq!(view.wander().values(), [5.0]);
+    assert_eq!(view.wander().sigma(0), 35.0);
+    assert_eq!(view.cart().beacon().values(), [4.0]);
+    // Fields of the base, as if they were declared here.
+    assert_eq!(view.beacon().values(), [4.0]);
+    assert_eq!(view.accel().bias().values(), [3.0]);
+    assert_eq!(view.accel().bias().sigma(0), 21.0);
+    assert!(view.sway().values().is_empty());
+    assert_eq!(format!("{view:?}"), "LongCartView { .. }");
+}

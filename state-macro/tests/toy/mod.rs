@@ -1,0 +1,109 @@
+//! A family of dynamics small enough to check by hand: a cart on a rail with one accelerometer.
+//!
+//! Leading states are position and velocity, the one input is the acceleration error, measured are position and
+//! velocity, a beacon adds its own place to the position residual.
+#![allow(dead_code, reason = "each test uses its part of the family")]
+
+use calib_core::{Block, BlockSet, BlockView, ChannelGroup, Dynamics, Need, Real, Relaxation, StateInfo};
+
+pub(crate) struct Rail;
+
+const PLACE: BlockSet = BlockSet::only(0);
+const SPEED: BlockSet = BlockSet::only(1);
+const ACCELEROMETER: BlockSet = BlockSet::only(2);
+const LEVER: BlockSet = BlockSet::only(3);
+
+/// The specific force.
+pub(crate) struct Force<T> {
+    pub(crate) force: T,
+}
+
+impl Dynamics for Rail {
+    const CORE: usize = 2;
+    const INPUTS: usize = 1;
+    const CHANNELS: &'static [ChannelGroup] = &[
+        ChannelGroup { name: "position", first: 0, components: &["x"], unit: "m" },
+        ChannelGroup { name: "velocity", first: 1, components: &["x"], unit: "m/s" },
+    ];
+    const NEEDS: &'static [Need] = &[
+        Need { any_of: PLACE, message: "a cart begins with `Place`" },
+        Need { any_of: SPEED, message: "then `Speed`" },
+    ];
+    type Signals<T: Real> = Force<T>;
+    type Point<T: Real> = ();
+
+    fn core_jacobian<T: Real>(_: &(), put: &mut impl FnMut(usize, usize, T)) {
+        put(0, 1, T::one());
+    }
+    fn inject<T: Real>(_: &(), _: usize, value: T, put: &mut impl FnMut(usize, T)) {
+        put(1, value);
+    }
+    fn measurement_jacobian<T: Real>(_: &(), put: &mut impl FnMut(usize, usize, T)) {
+        put(0, 0, T::one());
+        put(1, 1, T::one());
+    }
+}
+
+const fn info(block: &'static str, unit: &'static str) -> StateInfo {
+    StateInfo { block, component: "", unit, prior_sigma: 1.0, sheet_unit: unit, sheet_scale: 1.0 }
+}
+
+macro_rules! block {
+    ($(#[$attr:meta])* $name:ident, $unit:literal, { $($item:tt)* }) => {
+        $(#[$attr])*
+        pub(crate) struct $name;
+        impl Block for $name {
+            type Dynamics = Rail;
+            type View<'a, T: Real> = BlockView<'a, Self, T>;
+            const DIM: usize = 1;
+            fn states(visit: &mut dyn FnMut(StateInfo)) {
+                visit(info(stringify!($name), $unit));
+            }
+            $($item)*
+        }
+    };
+}
+
+block!(Place, "m", {
+    const SET: BlockSet = PLACE;
+});
+block!(Speed, "m/s", {
+    const SET: BlockSet = SPEED;
+});
+block!(Bias, "m/s^2", {
+    const SET: BlockSet = ACCELEROMETER;
+    fn input_jacobian<T: Real>(_: &Force<T>, put: &mut impl FnMut(usize, usize, T)) {
+        put(0, 0, T::one());
+    }
+});
+block!(Scale, "1", {
+    fn input_jacobian<T: Real>(signals: &Force<T>, put: &mut impl FnMut(usize, usize, T)) {
+        put(0, 0, signals.force);
+    }
+});
+block!(Wander, "m/s^2", {
+    const RELAXES: bool = true;
+    fn input_jacobian<T: Real>(_: &Force<T>, put: &mut impl FnMut(usize, usize, T)) {
+        put(0, 0, T::one());
+    }
+    fn relaxation<T: Real>(put: &mut impl FnMut(usize, Relaxation<T>)) {
+        put(0, Relaxation { rate: T::of(0.1), density: T::of(1e-6) });
+    }
+});
+block!(Beacon, "m", {
+    const SET: BlockSet = LEVER;
+    fn measurement_jacobian<T: Real>(_: &(), put: &mut impl FnMut(usize, usize, T)) {
+        put(0, 0, -T::one());
+    }
+});
+
+/// No states: a beacon that moves, which needs a beacon.
+pub(crate) struct Sway;
+
+impl Block for Sway {
+    type Dynamics = Rail;
+    type View<'a, T: Real> = BlockView<'a, Self, T>;
+    const DIM: usize = 0;
+    const NEEDS: &'static [Need] = &[Need { any_of: LEVER, message: "sway without a beacon" }];
+    fn states(_: &mut dyn FnMut(StateInfo)) {}
+}

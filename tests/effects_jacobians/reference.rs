@@ -1,0 +1,57 @@
+//! Residuals, predicted minus reference, that a wrong estimate of a reference effect's parameters leaves.
+
+use nalgebra::{Rotation3, Vector3};
+use sinscal::Point;
+
+/// z of `C_pred = exp(-[z x]) C_ref`.
+pub(crate) fn attitude_residual(predicted: &Rotation3<f64>, reference: &Rotation3<f64>) -> Vector3<f64> {
+    // Not the angle of the matrix's trace: it cannot tell small rotations from none.
+    let e = (reference * predicted.inverse()).into_inner();
+    let sine = Vector3::new(e.m32 - e.m23, e.m13 - e.m31, e.m21 - e.m12) / 2.0;
+    let size = sine.norm();
+    if size == 0.0 { sine } else { sine * (size.asin() / size) }
+}
+
+pub(crate) fn stack(velocity: Vector3<f64>, position: Vector3<f64>, attitude: Vector3<f64>) -> Vec<f64> {
+    velocity.iter().chain(&position).chain(&attitude).copied().collect()
+}
+
+/// Residuals of velocity, position and attitude with an estimate that is `delta` below the truth.
+pub(crate) fn residuals(name: &str, at: &Point<f64>, delta: &[f64]) -> Vec<f64> {
+    let c = Rotation3::from_matrix_unchecked(at.c_bn);
+    let none = Vector3::zeros();
+    match name {
+        "outer-lever-arm" => {
+            let reading = |l: Vector3<f64>| (at.velocity + c * at.rate_eb.cross(&l), at.position + c * l);
+            let (v, p) = reading(at.lever - Vector3::from_column_slice(delta));
+            let (v_ref, p_ref) = reading(at.lever);
+            stack(v - v_ref, p - p_ref, none)
+        }
+        "reference-delay" => {
+            // The point's motion around the instant that the reference shows.
+            let tau = 0.02;
+            let state = |t: f64| {
+                (
+                    at.point_velocity + at.point_acceleration * t,
+                    at.point_position + at.point_velocity * t + at.point_acceleration * (t * t / 2.0),
+                    c * Rotation3::from_scaled_axis(at.rate_eb * t),
+                )
+            };
+            let stamp = tau;
+            let (v, p, a) = state(stamp - (tau - delta[0]));
+            let (v_ref, p_ref, a_ref) = state(stamp - tau);
+            stack(v - v_ref, p - p_ref, attitude_residual(&a, &a_ref))
+        }
+        "reference-misalignment" => {
+            let estimate = Rotation3::from_scaled_axis(-Vector3::from_column_slice(delta));
+            stack(none, none, attitude_residual(&(c * estimate), &c))
+        }
+        "reference-tilt" => {
+            let estimate = -Vector3::new(delta[0], delta[1], 0.0);
+            let tilted = Rotation3::from_scaled_axis(-estimate);
+            let (v, p) = (at.point_velocity, at.point_position);
+            stack(tilted * v - v, tilted * p - p, attitude_residual(&(tilted * c), &c))
+        }
+        _ => vec![0.0; 9],
+    }
+}
