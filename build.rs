@@ -9,6 +9,8 @@ mod emit;
 mod expr;
 #[path = "build/ir.rs"]
 mod ir;
+#[path = "build/load.rs"]
+mod load;
 #[path = "build/raw.rs"]
 mod raw;
 #[path = "build/read.rs"]
@@ -74,12 +76,7 @@ fn table_files() -> Result<Vec<PathBuf>, String> {
 }
 
 fn load(path: &Path) -> Result<ir::Table, String> {
-    let file = path.display();
+    let file = path.display().to_string();
     let text = fs::read_to_string(path).map_err(|e| format!("{file}: {e}"))?;
-    let place = |fault: raw::At<String>| format!("{file}:{}: {}", raw::line(&text, fault.start), fault.value);
-    let table = read::read(&text).and_then(ir::check).map_err(place)?;
-    if path.file_stem().is_none_or(|stem| stem != table.name.as_str()) {
-        return Err(format!("{file}: holds the table `{}`", table.name));
-    }
-    Ok(table)
+    load::table(&file, &text)
 }

@@ -1,5 +1,5 @@
-//! Expressions of the tables: numbers, names, `+ - * /`, `**` with an integer exponent, a sign, four functions and
-//! `Abs`. Precedence as in Python, which writes them.
+//! Expressions of the tables: numbers, names, `+ - * /`, `**` with an integer exponent, a sign, four
+//! functions and `Abs`. Precedence as in Python, which writes them.
 
 use std::fmt;
 

@@ -104,8 +104,10 @@ fn is_field(kind: Kind, path: &str) -> bool {
     match path.split_once('.') {
         None => scalars.contains(&path),
         Some(("c_bn", entry)) => {
-            !kind.of_signals()
-                && matches!(entry.as_bytes(), [b'm', row, column] if (b'1'..=b'3').contains(row) && (b'1'..=b'3').contains(column))
+            let is_index = |digit: &u8| (b'1'..=b'3').contains(digit);
+            let of_matrix =
+                matches!(entry.as_bytes(), [b'm', row, column] if is_index(row) && is_index(column));
+            of_matrix && !kind.of_signals()
         }
         Some((vector, axis)) => vectors.contains(&vector) && matches!(axis, "x" | "y" | "z"),
     }
@@ -165,13 +167,12 @@ fn fault<T>(start: usize, message: impl Into<String>) -> Result<T, Fault> {
 }
 
 /// Names that the generated functions use themselves, and words of Rust.
-#[rustfmt::skip]
 const RESERVED: &[&str] = &[
-    "at", "base", "input", "put", "signals", "value", "abstract", "as", "async", "await", "become", "box", "break",
-    "const", "continue", "crate", "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if",
-    "impl", "in", "let", "loop", "macro", "match", "mod", "move", "mut", "override", "priv", "pub", "ref", "return",
-    "self", "static", "struct", "super", "trait", "true", "try", "type", "typeof", "unsafe", "unsized", "use",
-    "virtual", "where", "while", "yield",
+    "at", "base", "input", "put", "signals", "value", "abstract", "as", "async", "await", "become", "box",
+    "break", "const", "continue", "crate", "do", "dyn", "else", "enum", "extern", "false", "final", "fn",
+    "for", "gen", "if", "impl", "in", "let", "loop", "macro", "match", "mod", "move", "mut", "override",
+    "priv", "pub", "ref", "return", "self", "static", "struct", "super", "trait", "true", "try", "type",
+    "typeof", "unsafe", "unsized", "use", "virtual", "where", "while", "yield",
 ];
 
 fn is_identifier(name: &str) -> bool {

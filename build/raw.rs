@@ -71,8 +71,3 @@ pub(crate) struct Raw {
     /// The entries, row after row.
     pub(crate) entries: Vec<Cell>,
 }
-
-/// Number of the line that holds a byte.
-pub(crate) fn line(text: &str, start: usize) -> usize {
-    1 + text.bytes().take(start).filter(|b| *b == b'\n').count()
-}

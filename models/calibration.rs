@@ -455,7 +455,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
 
     /// Parameter estimates by state; the leading states are zero. What [`Compensator::compensate`] takes.
     pub fn estimate(&self) -> Vector<F, f64> {
-        let mut estimate = self.parameters;
+        let mut estimate = self.parameters.clone();
         for i in F::Shape::CORE..F::Shape::STATES {
             estimate[i] += self.kalman.x()[i];
         }

@@ -8,8 +8,10 @@ use crate::{Point, Signals, tables};
 
 /// Navigation errors of a strapdown system: attitude, velocity and position, nine states.
 ///
-/// - States: phi (rad), dv (m/s) and dp (m), each east, north, up; computed minus true, `C_hat = (I - [phi x]) C`.
-/// - Inputs: errors of the three angular rates (0 to 2) and the three specific forces (3 to 5) in b, measured minus true.
+/// - States: phi (rad), dv (m/s) and dp (m), each east, north, up; computed minus true,
+///   `C_hat = (I - [phi x]) C`.
+/// - Inputs: errors of the three angular rates (0 to 2) and the three specific forces (3 to 5) in b, measured
+///   minus true.
 /// - Channels: velocity and position of the observed point and attitude, predicted minus reference;
 ///   `C_pred = (I - [z_a x]) C_ref`.
 /// - Source: Eq. 40-42 and 46-49 of doi:10.3390/s22010278.
@@ -29,15 +31,15 @@ impl Dynamics for Strapdown {
     const NEEDS: &'static [Need] = &[
         Need {
             any_of: set::ATTITUDE,
-            message: "a strapdown filter begins with its attitude errors: declare `attitude: Attitude` first",
+            message: "a strapdown filter begins with attitude errors: declare `attitude: Attitude` first",
         },
         Need {
             any_of: set::VELOCITY,
-            message: "a strapdown filter carries its velocity errors: declare `velocity: Velocity` after `attitude`",
+            message: "a strapdown filter carries velocity errors: declare `velocity: Velocity` after `attitude`",
         },
         Need {
             any_of: set::POSITION,
-            message: "a strapdown filter carries its position errors: declare `position: Position` after `velocity`",
+            message: "a strapdown filter carries position errors: declare `position: Position` after `velocity`",
         },
     ];
 

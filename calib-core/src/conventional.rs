@@ -169,6 +169,6 @@ impl Form for Conventional {
     }
 
     fn dense<S: Shape, T: Real>(cov: &S::Matrix<T>, p: &mut S::Matrix<T>) {
-        *p = *cov;
+        p.clone_from(cov);
     }
 }

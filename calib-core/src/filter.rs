@@ -69,7 +69,7 @@ pub trait Shape: Sized + 'static {
 }
 
 /// An array whose length is part of its type.
-pub trait Array<E: Copy>: Copy + Debug + IndexMut<usize, Output = E> {
+pub trait Array<E: Clone>: Clone + Debug + IndexMut<usize, Output = E> {
     /// An array of equal elements.
     fn fill(element: E) -> Self;
     /// The elements as a slice.
@@ -78,10 +78,10 @@ pub trait Array<E: Copy>: Copy + Debug + IndexMut<usize, Output = E> {
     fn as_mut_slice(&mut self) -> &mut [E];
 }
 
-impl<E: Copy + Debug, const N: usize> Array<E> for [E; N] {
+impl<E: Clone + Debug, const N: usize> Array<E> for [E; N] {
     #[inline(always)]
     fn fill(element: E) -> Self {
-        [element; N]
+        core::array::from_fn(|_| element.clone())
     }
     #[inline(always)]
     fn as_slice(&self) -> &[E] {

@@ -93,14 +93,14 @@ pub struct Kalman<F: Filter, T: Real = f64, C: Form = Conventional> {
 
 impl<F: Filter, T: Real, C: Form> Clone for Kalman<F, T, C> {
     fn clone(&self) -> Self {
-        Self { x: self.x, cov: self.cov, form: PhantomData }
+        Self { x: self.x.clone(), cov: self.cov.clone(), form: PhantomData }
     }
 }
 
 impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
     /// A filter with mean zero and independent states of the given standard deviations.
     pub fn new(sigmas: &Vector<F, T>) -> Self {
-        let mut variances = *sigmas;
+        let mut variances = sigmas.clone();
         for v in variances.as_mut_slice() {
             *v *= *v;
         }
@@ -238,8 +238,8 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
         residuals: &Residuals<F, T>,
         rows: core::ops::Range<usize>,
     ) -> Result<T, NotPositiveDefinite> {
-        let mut l = *s;
-        let mut e = *residuals.values();
+        let mut l = s.clone();
+        let mut e = residuals.values().clone();
         let mut nis = T::zero();
         for i in rows.clone() {
             for j in 0..F::Shape::STATES {

@@ -11,9 +11,11 @@ mod conventional;
 #[doc(hidden)]
 pub mod declare;
 mod dynamics;
+mod extended;
 mod filter;
 mod form;
 mod kalman;
+mod observability;
 mod real;
 mod transition;
 mod ud;
@@ -22,12 +24,14 @@ mod view;
 pub use block::{Block, BlockSet, Need, Relaxation, StateInfo};
 pub use conventional::Conventional;
 pub use dynamics::{ChannelGroup, Dynamics};
+pub use extended::{Extended, ExtendedView, Grown};
 pub use filter::{
     Array, CoreRows, CoreVector, Dim, Filter, Matrix, Measurement, MeasurementMatrix, MeasurementRows, Shape,
     Vector,
 };
 pub use form::{Fade, Form, Whitened};
 pub use kalman::{Innovation, Kalman, NotPositiveDefinite, Residuals, measurement_rows};
+pub use observability::{ObservabilityRows, system_rows};
 pub use real::Real;
 pub use transition::{Transition, restrict};
 pub use ud::Ud;

@@ -60,11 +60,11 @@ impl<F: Filter, T: Real> Transition<F, T> {
     /// `rows += dt A (rows + (dt A rows + drive) / 2) + drive`: exact to second order in `dt`.
     pub fn advance(&mut self, at: &<F::Dynamics as Dynamics>::Point<T>, dt: T) {
         let half = T::of(0.5);
-        let mut middle = self.rows;
+        let mut middle = self.rows.clone();
         for i in 0..F::Shape::CORE {
             add_scaled::<F::Shape, T>(&mut middle[i], &self.drive[i], half);
         }
-        let mut end = self.rows;
+        let mut end = self.rows.clone();
         for i in 0..F::Shape::CORE {
             add_scaled::<F::Shape, T>(&mut end[i], &self.drive[i], T::one());
         }

@@ -15,7 +15,7 @@ pub struct Ud;
 /// `U' h`: what a measurement row sees of the factored state.
 #[inline(always)]
 fn through_u<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::Vector<T>) -> S::Vector<T> {
-    let mut f = *h;
+    let mut f = h.clone();
     for j in 0..S::STATES {
         let column = &cov[j];
         let mut sum = h[j];
@@ -29,7 +29,7 @@ fn through_u<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::Vector<T>) -> S::Vect
 
 /// U D U' factors of the noise in its leading block, stored like the covariance; a zero pivot is no noise.
 fn factor<S: Shape, T: Real>(noise: &S::CoreMatrix<T>) -> S::CoreMatrix<T> {
-    let mut q = *noise;
+    let mut q = noise.clone();
     for j in (0..S::CORE).rev() {
         let d = q[j][j];
         let inverse = if d > T::zero() { T::one() / d } else { T::zero() };
@@ -64,7 +64,7 @@ impl Form for Ud {
     ) {
         // the parameters' columns: U12 <- Phi U12 + Psi U22
         for j in S::CORE..S::STATES {
-            let column = cov[j];
+            let column = cov[j].clone();
             for i in 0..S::CORE {
                 let row = &rows[i];
                 let mut sum = row[j];
@@ -208,7 +208,7 @@ impl Form for Ud {
     }
 
     fn project<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::MeasurementRows<T>) -> S::MeasurementMatrix<T> {
-        let mut f = *h;
+        let mut f = h.clone();
         for m in 0..S::ROWS {
             f[m] = through_u::<S, T>(cov, &h[m]);
         }

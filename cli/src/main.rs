@@ -1,2 +1,84 @@
-//! The program `sinscal`.
-fn main() {}
+//! The program `sinscal`: calibrates inertial measurement units from log files.
+//!
+//! It reads logs, calls the library `sinscal` and writes reports; it holds no mathematics of its own.
+//! Exit codes: 0 when the work was done, 1 for bad input or a failed run, 2 for bad usage.
+
+mod calibrate;
+mod effects;
+mod filters;
+mod history;
+mod log;
+mod output;
+mod suggest;
+
+use std::io::IsTerminal;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
+
+/// Systematic calibration of strapdown inertial navigation systems.
+#[derive(Parser)]
+#[command(name = "sinscal", version, about, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Calibrate(calibrate::Arguments),
+    Filters(filters::Arguments),
+    Effects(effects::Arguments),
+}
+
+fn main() -> ExitCode {
+    quiet_decoder();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(usage) => {
+            let code = u8::try_from(usage.exit_code()).unwrap_or(2);
+            // Nothing can be said when the terminal has gone away.
+            let _ = usage.print();
+            return ExitCode::from(code);
+        }
+    };
+    let result = match cli.command {
+        Command::Calibrate(arguments) => arguments.run(),
+        Command::Filters(arguments) => arguments.run(),
+        Command::Effects(arguments) => arguments.run(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            report(error.as_ref());
+            ExitCode::from(1)
+        }
+    }
+}
+
+/// Shows an error on standard error: with colours and a frame on a terminal, as plain unbroken lines elsewhere.
+fn report(error: &dyn Diagnostic) {
+    let handler = if std::io::stderr().is_terminal() {
+        let colours = std::env::var_os("NO_COLOR").is_none();
+        let theme = if colours { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+        GraphicalReportHandler::new_themed(theme).with_width(110)
+    } else {
+        GraphicalReportHandler::new_themed(GraphicalTheme::none()).with_wrap_lines(false)
+    };
+    let mut text = String::new();
+    if handler.with_links(false).render_report(&mut text, error).is_err() {
+        text = error.to_string();
+    }
+    output::remark(text.trim_end());
+}
+
+/// A panic inside the decoder of damaged files is caught and reported as what it is: it needs no message of its own.
+fn quiet_decoder() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !log::decoding() {
+            usual(panic);
+        }
+    }));
+}

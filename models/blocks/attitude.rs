@@ -9,8 +9,8 @@ use crate::Strapdown;
 /// - Frame: rotation vector in n, radians.
 /// - Equation: `C_hat = (I - [phi x]) C`; `phi' = -omega_in x phi + d_omega_in - C d_omega` (Eq. 40).
 /// - Sign: computed minus true.
-/// - Prior: 1 mrad of level, 5 mrad of heading, the size of a coarse alignment; a calibration replaces it by what its
-///   description says of the initial attitude.
+/// - Prior: 1 mrad of level, 5 mrad of heading, the size of a coarse alignment; a calibration replaces it by
+///   what its description says of the initial attitude.
 #[derive(Clone, Copy, Debug)]
 pub struct Attitude;
 

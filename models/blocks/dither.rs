@@ -5,10 +5,12 @@ use crate::Strapdown;
 
 /// The coupling of dither into the size effect: no states, what turns a P filter into a B filter.
 ///
-/// A gyro's case dithers the sensor block about its axis i at the rate `A_i sin(2 pi F_i t)`. The gyro's output has
-/// filtered it away, the accelerometers feel its mean square: [`InnerLeverArm`](crate::InnerLeverArm) becomes
+/// A gyro's case dithers the sensor block about its axis i at the rate `A_i sin(2 pi F_i t)`. The gyro's
+/// output has filtered it away, the accelerometers feel its mean square:
+/// [`InnerLeverArm`](crate::InnerLeverArm) becomes
 ///
-/// - Equation: `d_f_i = -(omega_j^2 + omega_k^2 + A_j^2/2 + A_k^2/2) r_i`, j and k the other axes (Eq. 6-11, 23, 35).
+/// - Equation: `d_f_i = -(omega_j^2 + omega_k^2 + A_j^2/2 + A_k^2/2) r_i`, j and k the other axes (Eq. 6-11,
+///   23, 35).
 /// - Frame and unit: amplitudes A of the sensor block about the axes of b, rad/s, from the log.
 /// - Without this block the model ignores the amplitudes, whatever the log holds.
 #[derive(Clone, Copy, Debug)]

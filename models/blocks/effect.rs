@@ -1,7 +1,9 @@
-/// Declares the block of an effect: a unit type with [`Block`](calib_core::Block) and [`Effect`](crate::Effect).
+/// Declares the block of an effect: a unit type with [`Block`](calib_core::Block) and
+/// [`Effect`](crate::Effect).
 ///
-/// `table` is the module of [`tables`](crate::tables) that knows names, unit and Jacobian; `jacobian` is `input` for an
-/// error of the sensors and `measurement` for one of the reference; `sheet` is the unit of data sheets and its size in SI.
+/// `table` is the module of [`tables`](crate::tables) that knows names, unit and Jacobian; `jacobian` is
+/// `input` for an error of the sensors and `measurement` for one of the reference; `sheet` is the unit of
+/// data sheets and its size in SI.
 macro_rules! effect {
     (
         $(#[$doc:meta])*

@@ -1,7 +1,7 @@
 //! State blocks of strapdown filters: one file per block, and what they share.
 //!
-//! A block's names, unit, equation and Jacobian come from its table (see [`tables`](crate::tables)); its file adds what
-//! a table does not know: what it needs beside it, its prior and the unit of data sheets.
+//! A block's names, unit, equation and Jacobian come from its table (see [`tables`](crate::tables)); its file
+//! adds what a table does not know: what it needs beside it, its prior and the unit of data sheets.
 
 #[macro_use]
 mod effect;
@@ -149,8 +149,8 @@ mod needs {
 
     pub(super) const ACCELEROMETER: Need = Need {
         any_of: set::ACCEL_SCALE.union(set::ACCEL_MISALIGNMENT).union(set::ACCEL_BIAS),
-        message: "this effect distorts what the accelerometers read: declare their errors beside it (`AccelScale`, \
-                  `AccelMisalignment` or `AccelBias`)",
+        message: "this effect distorts what the accelerometers read: declare their errors beside it, \
+                  such as `AccelBias`",
     };
 
     pub(super) const ACCEL_BIAS: Need = Need {

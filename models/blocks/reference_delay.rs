@@ -3,8 +3,9 @@ use super::units::MILLI;
 effect! {
     /// How late the reference is stamped: tau.
     ///
-    /// - Equation: the reading at stamp t shows the state at t - tau, so the prediction is made for t - tau: `z_v` changes by the
-    ///   observed point's acceleration, `z_p` by its velocity, `z_a` by `-C omega_eb`. Not in the paper.
+    /// - Equation: the reading at stamp t shows the state at t - tau, so the prediction is made for t - tau:
+    ///   `z_v` changes by the observed point's acceleration, `z_p` by its velocity, `z_a` by `-C omega_eb`.
+    ///   Not in the paper.
     /// - Sign: positive when the stamp is later than the event.
     /// - Prior: 10 ms: a reference over a serial line.
     ReferenceDelay {

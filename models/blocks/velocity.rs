@@ -7,7 +7,9 @@ use crate::Strapdown;
 /// Velocity errors: east, north and up.
 ///
 /// - Frame: n, m/s over ground.
-/// - Equation: `dv' = f_n x phi + C d_f - (2 omega_ie + omega_en) x dv - (2 d_omega_ie + d_omega_en) x v + d_g` (Eq. 41).
+/// - Equation:
+///   `dv' = f_n x phi + C d_f - (2 omega_ie + omega_en) x dv - (2 d_omega_ie + d_omega_en) x v + d_g` (Eq.
+///   41).
 /// - Sign: computed minus true.
 /// - Prior: 1 cm/s: an IMU on a table that is not perfectly still.
 #[derive(Clone, Copy, Debug)]

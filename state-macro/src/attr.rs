@@ -2,7 +2,8 @@
 
 use proc_macro2::{Ident, TokenTree};
 use syn::ext::IdentExt;
-use syn::parse::{ParseStream, Parser};
+use syn::parse::{Parse, ParseStream, Parser};
+use syn::token::Paren;
 use syn::{Attribute, Error, LitStr, Meta, Path, Result, Token, Type, parenthesized};
 
 use crate::errors::Errors;
@@ -56,6 +57,8 @@ pub(crate) struct Attributes {
     pub(crate) dynamics: Option<Type>,
     /// `crate = path`.
     pub(crate) krate: Option<Path>,
+    /// Some of the keys could not be read: what is missing may be among them.
+    pub(crate) garbled: bool,
 }
 
 impl Attributes {
@@ -73,7 +76,9 @@ impl Attributes {
                 }
                 _ => read.kind = Some(kind),
             }
+            let known = errors.len();
             read.arguments(kind, attr, errors);
+            read.garbled |= errors.len() > known;
         }
         read
     }
@@ -97,32 +102,33 @@ impl Attributes {
     }
 
     fn key(&mut self, kind: Kind, input: ParseStream, errors: &mut Errors) -> Result<()> {
-        let key = input.call(Ident::parse_any)?;
+        let Ok(key) = input.call(Ident::parse_any) else {
+            return Err(input.error(format_args!("expected a key: {}", kind.keys().join(", "))));
+        };
         let text = key.to_string();
-        if !kind.keys().contains(&text.as_str()) {
-            return Err(Error::new(key.span(), unknown_key(kind, &text)));
-        }
+        let words = match text.as_str() {
+            _ if !kind.keys().contains(&text.as_str()) => {
+                return Err(Error::new(key.span(), unknown_key(kind, &text)));
+            }
+            "measures" => "`measures` is a list of names: `measures(velocity, position)`",
+            "name" => "`name` is a text: `name = \"43d-b\"`",
+            "dynamics" => "`dynamics` is a type: `dynamics = Strapdown`",
+            _ => "`crate` is a path: `crate = ::sinscal::calib_core`",
+        };
+        let malformed = |_| Error::new(key.span(), words);
         let twice = match text.as_str() {
             "measures" => {
-                let measures = measures(key.clone(), input, errors)?;
-                self.measures.replace(measures).is_some()
+                if !input.peek(Paren) {
+                    return Err(Error::new(key.span(), words));
+                }
+                let names = names(input, words, errors)?;
+                self.measures.replace(Measures { keyword: key.clone(), names }).is_some()
             }
-            "name" => self.name.replace(value(input, "`name` is a text: `name = \"43d-b\"`")?).is_some(),
+            "name" => self.name.replace(value(input, <LitStr as Parse>::parse).map_err(malformed)?).is_some(),
             "dynamics" => {
-                let words = "`dynamics` is a type: `dynamics = Strapdown`";
-                self.dynamics.replace(value(input, words)?).is_some()
+                self.dynamics.replace(value(input, <Type as Parse>::parse).map_err(malformed)?).is_some()
             }
-            _ => {
-                let words = "`crate` is a path: `crate = ::sinscal::calib_core`";
-                self.krate
-                    .replace(
-                        input
-                            .parse::<Token![=]>()
-                            .and_then(|_| Path::parse_mod_style(input))
-                            .map_err(reword(words))?,
-                    )
-                    .is_some()
-            }
+            _ => self.krate.replace(value(input, Path::parse_mod_style).map_err(malformed)?).is_some(),
         };
         if twice {
             return Err(Error::new(key.span(), format_args!("`{text}` is given twice")));
@@ -149,28 +155,22 @@ fn unknown_key(kind: Kind, key: &str) -> String {
     message
 }
 
-fn measures(keyword: Ident, input: ParseStream, errors: &mut Errors) -> Result<Measures> {
-    const WORDS: &str = "`measures` is a list of names: `measures(velocity, position)`";
-    if !input.peek(syn::token::Paren) {
-        return Err(Error::new(keyword.span(), WORDS));
-    }
+/// `(velocity, position)`.
+fn names(input: ParseStream, words: &str, errors: &mut Errors) -> Result<Vec<Ident>> {
     let content;
     parenthesized!(content in input);
     let mut names = Vec::new();
     separated(&content, errors, |input, _| {
-        names.push(input.call(Ident::parse_any).map_err(reword(WORDS))?);
+        names.push(input.call(Ident::parse_any).map_err(|error| Error::new(error.span(), words))?);
         Ok(())
     });
-    Ok(Measures { keyword, names })
+    Ok(names)
 }
 
 /// `= value`.
-fn value<T: syn::parse::Parse>(input: ParseStream, words: &'static str) -> Result<T> {
-    input.parse::<Token![=]>().and_then(|_| input.parse()).map_err(reword(words))
-}
-
-fn reword(words: &'static str) -> impl FnOnce(Error) -> Error {
-    move |error| Error::new(error.span(), words)
+fn value<T>(input: ParseStream, parse: impl FnOnce(ParseStream) -> Result<T>) -> Result<T> {
+    input.parse::<Token![=]>()?;
+    parse(input)
 }
 
 /// Reads what stands between commas; after a mistake goes on behind the next one.

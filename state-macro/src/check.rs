@@ -1,6 +1,6 @@
 //! What the names of a declaration show to be wrong. What only types can tell is left to `calib_core::declare`.
 
-use quote::{ToTokens, quote};
+use quote::ToTokens;
 
 use crate::ast::Declaration;
 use crate::attr::Kind;
@@ -29,7 +29,8 @@ fn kind(declaration: &Declaration, errors: &mut Errors) {
 
 fn measures(declaration: &Declaration, errors: &mut Errors) {
     let Some(measures) = &declaration.attrs.measures else {
-        if declaration.attrs.kind == Some(Kind::Filter) && declaration.base().is_none() {
+        let attrs = declaration.attrs;
+        if attrs.kind == Some(Kind::Filter) && !attrs.garbled && declaration.base().is_none() {
             errors.at(
                 declaration.ident,
                 "a filter without a base says what it measures: `#[filter(measures(velocity, position))]`",
@@ -59,18 +60,21 @@ fn name(declaration: &Declaration, errors: &mut Errors) {
     }
 }
 
-fn bases(declaration: &Declaration, errors: &mut Errors) {
+/// A base that cannot be one is taken for a field like any other.
+fn bases(declaration: &mut Declaration, errors: &mut Errors) {
     let group = declaration.attrs.kind == Some(Kind::Group);
+    let leading = declaration.fields[0].ident;
     let mut first = None;
-    for (i, field) in declaration.fields.iter().enumerate().filter(|(_, field)| field.base) {
+    for (i, field) in declaration.fields.iter_mut().enumerate().filter(|(_, field)| field.base) {
         let ident = field.ident;
         if group {
-            errors.at(field, format_args!("`{ident}` in a group: only a filter extends a base"));
+            errors.at(&*field, format_args!("`{ident}` in a group: only a filter extends a base"));
+            field.base = false;
         } else if let Some(first) = first {
-            errors.at(field, format_args!("a second base: the filter already extends `{first}`"));
+            errors.at(&*field, format_args!("a second base: the filter already extends `{first}`"));
+            field.base = false;
         } else if i > 0 {
-            let leading = declaration.fields[0].ident;
-            errors.at(field, format_args!("the base comes first: `{ident}` stands after `{leading}`"));
+            errors.at(&*field, format_args!("the base comes first: `{ident}` stands after `{leading}`"));
         }
         first = first.or(Some(ident));
     }
@@ -86,7 +90,7 @@ fn types(declaration: &mut Declaration, errors: &mut Errors) {
                 let ident = field.ident;
                 let shown = shown(field.ty);
                 errors.at(
-                    quote!(#field),
+                    &*field,
                     format_args!("`{ident}` declares a block twice: `{name}` is already `{shown}`"),
                 );
                 field.repeated = true;

@@ -16,6 +16,11 @@ impl Errors {
         self.0.push(Error::new_spanned(tokens, message));
     }
 
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
     /// Reports what a parser found.
     pub(crate) fn push(&mut self, error: Error) {
         self.0.push(error);

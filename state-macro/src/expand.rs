@@ -90,8 +90,7 @@ fn measures(layout: &Layout) -> TokenStream {
 fn rules(layout: &Layout) -> TokenStream {
     let Layout { declaration, core, .. } = layout;
     let Declaration { ident, attrs, fields, .. } = declaration;
-    let dynamics = dynamics(layout);
-    let leading = quote!(<#dynamics as #core::Dynamics>::NEEDS);
+    let leading = of_dynamics(layout, quote!(NEEDS));
     let Some(kind) = attrs.kind else { return TokenStream::new() };
     let judge = match kind {
         Kind::Filter => quote!(filter_field),
@@ -103,7 +102,7 @@ fn rules(layout: &Layout) -> TokenStream {
         .map(|(i, field)| rule(core, field.ends(), quote!(#core::declare::#judge(&PARTS, #i, #leading))))
         .collect();
     if kind == Kind::Filter {
-        let size = quote!(<#dynamics as #core::Dynamics>::CORE);
+        let size = of_dynamics(layout, quote!(CORE));
         let whole = quote!(#core::declare::filter(&PARTS, #leading, #size));
         rules.extend(rule(core, (ident.span(), ident.span()), whole));
         let channels = channels(layout);
@@ -146,39 +145,23 @@ fn block(layout: &Layout) -> TokenStream {
                 &#core::declare::needs::<{ #core::declare::count_needs(&PARTS) }>(&PARTS);
         }
     });
-    let states = fields.iter().map(|field| forward(field, core, quote!(states), quote!((visit))));
+    let states = fields.iter().map(|field| forward(field, core, "states", quote!(visit)));
     let inputs = fields.iter().map(|field| {
         let Field { ident, .. } = field;
-        let signals = same(field, core, quote!(signals));
-        forward(
-            field,
-            core,
-            quote!(input_jacobian::<T>),
-            quote!((#signals::<T>(signals), &mut |input, state, value| {
-                put(input, Self::OFFSETS.#ident + state, value)
-            })),
-        )
+        let signals = same(field, core, "signals");
+        let put = quote!(|input, state, value| put(input, Self::OFFSETS.#ident + state, value));
+        forward(field, core, "input_jacobian", quote!(#signals(signals), &mut #put))
     });
     let measurements = fields.iter().map(|field| {
         let Field { ident, .. } = field;
-        let point = same(field, core, quote!(point));
-        forward(
-            field,
-            core,
-            quote!(measurement_jacobian::<T>),
-            quote!((#point::<T>(at), &mut |channel, state, value| {
-                put(channel, Self::OFFSETS.#ident + state, value)
-            })),
-        )
+        let point = same(field, core, "point");
+        let put = quote!(|channel, state, value| put(channel, Self::OFFSETS.#ident + state, value));
+        forward(field, core, "measurement_jacobian", quote!(#point(at), &mut #put))
     });
     let relaxations = fields.iter().map(|field| {
         let Field { ident, .. } = field;
-        forward(
-            field,
-            core,
-            quote!(relaxation::<T>),
-            quote!((&mut |state, relaxation| put(Self::OFFSETS.#ident + state, relaxation))),
-        )
+        let put = quote!(|state, relaxation| put(Self::OFFSETS.#ident + state, relaxation));
+        forward(field, core, "relaxation", quote!(&mut #put))
     });
     quote! {
         #[automatically_derived]
@@ -221,7 +204,7 @@ fn block(layout: &Layout) -> TokenStream {
 fn filter(layout: &Layout) -> TokenStream {
     let Layout { declaration, core, name, .. } = layout;
     let Declaration { ident, .. } = declaration;
-    let dynamics = dynamics(layout);
+    let size = of_dynamics(layout, quote!(CORE));
     let channels = channels(layout);
     quote! {
         #[automatically_derived]
@@ -229,7 +212,7 @@ fn filter(layout: &Layout) -> TokenStream {
             const NAME: &'static str = #name;
             type Shape = #core::Dim<
                 { #core::declare::dim(&PARTS) },
-                { <#dynamics as #core::Dynamics>::CORE },
+                { #size },
                 { #core::declare::rows(#channels, MEASURES) },
             >;
             const MEASURES: &'static [usize] = MEASURES;
@@ -262,33 +245,42 @@ fn inherent(layout: &Layout) -> TokenStream {
     }
 }
 
-/// The dynamics as those of the block that is written: a wrong type is reported where that block names it.
+/// The dynamics as those of the block that is written, with the span of what was said about them.
 fn dynamics(layout: &Layout) -> TokenStream {
-    let Layout { declaration, core, .. } = layout;
+    let Layout { declaration, core, dynamics, .. } = layout;
     let ident = declaration.ident;
-    quote!(<#ident as #core::Block>::Dynamics)
+    quote_spanned!(dynamics.span()=> <#ident as #core::Block>::Dynamics)
 }
 
 fn channels(layout: &Layout) -> TokenStream {
-    let core = &layout.core;
-    let dynamics = dynamics(layout);
-    quote!(<#dynamics as #core::Dynamics>::CHANNELS)
+    of_dynamics(layout, quote!(CHANNELS))
 }
 
-/// A call of a function of the field's block. Every call has the same span, so that rustc says once what is wrong.
-fn forward(field: &Field, core: &TokenStream, function: TokenStream, arguments: TokenStream) -> TokenStream {
-    let block = as_block(field, core);
-    quote!(#block::#function #arguments;)
+/// A constant of the dynamics.
+fn of_dynamics(layout: &Layout, constant: TokenStream) -> TokenStream {
+    let core = &layout.core;
+    let span = layout.dynamics.span();
+    let dynamics = dynamics(layout);
+    quote_spanned!(span=> <#dynamics as #core::Dynamics>::#constant)
+}
+
+/// A call of a function of the field's block. Every path to the block has the same span, so that rustc says once
+/// what is wrong with it.
+fn forward(field: &Field, core: &TokenStream, function: &str, arguments: TokenStream) -> TokenStream {
+    let Field { ty, .. } = field;
+    let span = ty.span();
+    let function = Ident::new(function, span);
+    let generics = (function != "states").then(|| quote_spanned!(span=> ::<T>));
+    let path = quote_spanned!(span=> <#ty as #core::Block>::#function #generics);
+    quote!(#path(#arguments);)
 }
 
 /// The conversion of the declaration's signals or point to those of the field, the identity.
-fn same(field: &Field, core: &TokenStream, function: TokenStream) -> TokenStream {
-    let block = as_block(field, core);
-    quote_spanned!(field.ty.span()=> <#block::Dynamics as #core::declare::Same<Self::Dynamics>>::#function)
-}
-
-/// `<Type as Block>`.
-pub(crate) fn as_block(field: &Field, core: &TokenStream) -> TokenStream {
-    let ty = field.ty.to_token_stream();
-    quote_spanned!(field.ty.span()=> <#ty as #core::Block>)
+fn same(field: &Field, core: &TokenStream, function: &str) -> TokenStream {
+    let Field { ty, .. } = field;
+    let span = ty.span();
+    let function = Ident::new(function, span);
+    quote_spanned!(span=>
+        <<#ty as #core::Block>::Dynamics as #core::declare::Same<Self::Dynamics>>::#function::<T>
+    )
 }

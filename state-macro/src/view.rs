@@ -1,10 +1,10 @@
 //! The estimate by name: the view of a declaration, and its offsets.
 
 use proc_macro2::TokenStream;
-use quote::{ToTokens, quote};
+use quote::{ToTokens, quote, quote_spanned};
+use syn::spanned::Spanned;
 
 use crate::ast::{Declaration, Field};
-use crate::expand::as_block;
 use crate::layout::Layout;
 
 /// The structs that a declaration adds to its module.
@@ -46,18 +46,18 @@ fn view(layout: &Layout) -> TokenStream {
     let Declaration { ident, vis, fields, .. } = declaration;
     let docs = format!("An estimate of [`{ident}`] by name.");
     let name = view.to_string();
-    let base = declaration.base().map(|field| (field.ident, as_block(field, core)));
-    let held = base.as_ref().map(|(_, base)| quote!(base: #base::View<'a, T>,));
+    let base = declaration.base().map(|field| (field.ident, view_of(field, core)));
+    let held = base.as_ref().map(|(_, base)| quote!(base: #base,));
     let begun = base.as_ref().map(|(field, base)| {
         quote! {
-            base: <#base::View<'a, T> as #core::View<'a, T>>::at(estimate, offset + #ident::OFFSETS.#field),
+            base: <#base as #core::View<'a, T>>::at(estimate, offset + #ident::OFFSETS.#field),
         }
     });
     let deref = base.as_ref().map(|(_, base)| {
         quote! {
             #[automatically_derived]
             impl<'a, T: #core::Real> ::core::ops::Deref for #view<'a, T> {
-                type Target = #base::View<'a, T>;
+                type Target = #base;
                 #[inline]
                 fn deref(&self) -> &Self::Target {
                     &self.base
@@ -67,14 +67,15 @@ fn view(layout: &Layout) -> TokenStream {
     });
     let methods = fields.iter().map(|field| {
         let Field { ident: name, ty, docs, .. } = field;
-        let block = as_block(field, core);
+        let view = view_of(field, core);
+        let at = quote_spanned!(field.ty.span()=> <#view as #core::View<'a, T>>::at);
         let default = format!("The states of `{name}`: `{}`.", shown(ty));
         let docs = if docs.is_empty() { quote!(#[doc = #default]) } else { quote!(#(#docs)*) };
         quote! {
             #docs
             #[inline]
-            #vis fn #name(&self) -> #block::View<'a, T> {
-                <#block::View<'a, T> as #core::View<'a, T>>::at(self.estimate, self.offset + #ident::OFFSETS.#name)
+            #vis fn #name(&self) -> #view {
+                #at(self.estimate, self.offset + #ident::OFFSETS.#name)
             }
         }
     });
@@ -114,6 +115,12 @@ fn view(layout: &Layout) -> TokenStream {
 
         #deref
     }
+}
+
+/// The view of a field's block.
+fn view_of(field: &Field, core: &TokenStream) -> TokenStream {
+    let ty = field.ty;
+    quote_spanned!(ty.span()=> <#ty as #core::Block>::View<'a, T>)
 }
 
 /// A type as it is written, for documentation.

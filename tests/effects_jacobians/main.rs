@@ -1,8 +1,8 @@
-//! Every generated Jacobian against central differences of a model written by hand from the same physics, and against
-//! its own list of inputs.
+//! Every generated Jacobian against central differences of a model written by hand from the same physics, and
+//! against its own list of inputs.
 //!
-//! Entries are compared one by one, relative to themselves, at 1e-6; below 1e-9 of the largest entry of the same
-//! column they count as zero, since differences of double-precision numbers do not show them.
+//! Entries are compared one by one, relative to themselves, at 1e-6; below 1e-9 of the largest entry of the
+//! same column they count as zero, since differences of double-precision numbers do not show them.
 
 mod fields;
 mod reference;
@@ -81,7 +81,8 @@ fn differences(f: impl Fn(&[f64]) -> Vec<f64>, steps: &[f64]) -> DMatrix<f64> {
     jacobian
 }
 
-/// Compares entry by entry; `floor` is the part of a column's largest entry below which an entry counts as zero.
+/// Compares entry by entry; `floor` is the part of a column's largest entry below which an entry counts as
+/// zero.
 fn compare(name: &str, found: &DMatrix<f64>, expected: &DMatrix<f64>, floor: f64) {
     assert_eq!(found.shape(), expected.shape(), "{name}");
     for j in 0..expected.ncols() {

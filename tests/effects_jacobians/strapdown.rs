@@ -150,8 +150,8 @@ fn residual_input(at: &Point<f64>) -> DMatrix<f64> {
     l
 }
 
-/// Compares row by row within each unit of rows and columns, so that no unit hides another: entries are judged at 1e-6
-/// of themselves and are zero below 1e-9 of the largest of their 3 x 3 block.
+/// Compares row by row within each unit of rows and columns, so that no unit hides another: entries are
+/// judged at 1e-6 of themselves and are zero below 1e-9 of the largest of their 3 x 3 block.
 fn compare_blocks(name: &str, found: &DMatrix<f64>, expected: &DMatrix<f64>) {
     for row in (0..expected.nrows()).step_by(3) {
         for column in (0..expected.ncols()).step_by(3) {
@@ -166,7 +166,8 @@ fn compare_blocks(name: &str, found: &DMatrix<f64>, expected: &DMatrix<f64>) {
     }
 }
 
-/// Steps for phi, dv, dp: large enough that rounding stays below 1e-9 of the entries, small enough for fourth order.
+/// Steps for phi, dv, dp: large enough that rounding stays below 1e-9 of the entries, small enough for fourth
+/// order.
 const STATE_STEPS: [f64; 9] = [1e-3, 1e-3, 1e-3, 10.0, 10.0, 10.0, 5e3, 5e3, 5e3];
 
 #[test]
@@ -174,7 +175,8 @@ fn navigation_errors_follow_the_mechanisation() {
     let mut random = Random::new(10);
     for _ in 0..POINTS {
         let at = Point::random(&mut random);
-        let rate = random.vector(1.0);
+        // The rate cancels; a large one would only leave its rounding.
+        let rate = random.vector(1e-2);
         let expected = differences(|x| error_rates(&at, &rate, x, &[0.0; 6]), &STATE_STEPS);
         compare_blocks("A", &core(&at), &expected);
     }
@@ -231,4 +233,35 @@ fn dither_reaches_only_those_who_declare_it() {
     assert_eq!(restricted(set::INNER_LEVER_ARM.union(set::DITHER)), signals);
     assert_eq!(restricted(set::DITHER_SIZE_EFFECT), signals);
     assert_eq!(restricted(set::INNER_LEVER_ARM), Signals { dither: Vector3::zeros(), ..signals });
+}
+
+#[test]
+fn single_precision_is_enough() {
+    let mut random = Random::new(15);
+    for _ in 0..POINTS {
+        let at = Point::random(&mut random);
+        let single = Point::<f32> {
+            c_bn: at.c_bn.cast(),
+            velocity: at.velocity.cast(),
+            latitude: at.latitude as f32,
+            height: at.height as f32,
+            position: at.position.cast(),
+            force_n: at.force_n.cast(),
+            rate_eb: at.rate_eb.cast(),
+            lever: at.lever.cast(),
+            point_velocity: at.point_velocity.cast(),
+            point_acceleration: at.point_acceleration.cast(),
+            point_position: at.point_position.cast(),
+        };
+        let mut found = DMatrix::<f64>::zeros(9, 9);
+        Strapdown::core_jacobian(&single, &mut |row, column, value| {
+            found[(row, column)] = f64::from(value);
+        });
+        let expected = core(&at);
+        for (row, column) in (0..81).map(|k| (k / 9, k % 9)) {
+            let scale = expected.view((row / 3 * 3, column / 3 * 3), (3, 3)).amax();
+            let difference = (found[(row, column)] - expected[(row, column)]).abs();
+            assert!(difference <= 1e-5 * scale, "A ({row}, {column}): {difference:e} of {scale:e}");
+        }
+    }
 }

@@ -18,7 +18,8 @@ pub const fn filter_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
     let mut k = 0;
     while k < parts[i].needs.len() {
         if !declared.intersects(parts[i].needs[k].any_of) {
-            text = text.next().with_name(parts[i].name).with(": ").with(parts[i].needs[k].message);
+            text = if text.is_empty() { text.with_name(parts[i].name).with(": ") } else { text.next() };
+            text = text.with(parts[i].needs[k].message);
         }
         k += 1;
     }

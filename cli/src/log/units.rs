@@ -1,5 +1,7 @@
 //! The effects a prior can be given for, and the units it can be given in.
 
+use sinscal::{EFFECTS, EffectInfo};
+
 /// Standard gravity, m/s^2: what data sheets mean by g.
 const G: f64 = 9.806_65;
 const DEG: f64 = std::f64::consts::PI / 180.0;
@@ -66,45 +68,15 @@ const DIMENSIONS: &[Units] = &[
     RATE_DRIFT,
 ];
 
-/// The vocabulary of effects with the SI unit of their parameters.
-const EFFECTS: &[(&str, &str)] = &[
-    ("gyro-scale", "1"),
-    ("gyro-misalignment", "rad"),
-    ("gyro-bias", "rad/s"),
-    ("accel-scale", "1"),
-    ("accel-misalignment", "rad"),
-    ("accel-bias", "m/s^2"),
-    ("accel-quadratic", "s^2/m"),
-    ("outer-lever-arm", "m"),
-    ("inner-lever-arm", "m"),
-    ("dither-size-effect", ""),
-    ("accel-delay", "s"),
-    ("accel-temperature-scale", "1/K"),
-    ("accel-temperature-bias", "m/s^2/K"),
-    ("accel-temperature-rate", "m/s/K"),
-    ("gyro-temperature-bias", "rad/s/K"),
-    ("gyro-g-sensitivity", "rad/s/(m/s^2)"),
-    ("accel-scale-asymmetry", "1"),
-    ("gyro-scale-asymmetry", "1"),
-    ("accel-cubic", "s^4/m^2"),
-    ("accel-cross-coupling", "s^2/m"),
-    ("gyro-rate-nonlinearity", "s/rad"),
-    ("accel-bias-drift", "m/s^3"),
-    ("gyro-bias-drift", "rad/s^2"),
-    ("inner-lever-arm-tangential", "m"),
-    ("reference-delay", "s"),
-    ("reference-misalignment", "rad"),
-    ("reference-tilt", "rad"),
-];
-
 /// Names of the effects a log may carry a prior for.
 pub(super) fn effect_names() -> impl Iterator<Item = &'static str> + Clone {
-    EFFECTS.iter().filter(|(_, unit)| !unit.is_empty()).map(|(name, _)| *name)
+    EFFECTS.iter().filter(|effect| !effect.components().is_empty()).map(EffectInfo::name)
 }
 
-/// The effect of this name and the SI unit of its parameters; the unit is empty when it has none.
+/// The effect of this name and the SI unit of its parameters; the unit is empty when it has no parameters.
 pub(super) fn effect_units(name: &str) -> Option<(&'static str, &'static str)> {
-    EFFECTS.iter().find(|(known, _)| *known == name).copied()
+    let effect = sinscal::effect(name)?;
+    Some((effect.name(), if effect.components().is_empty() { "" } else { effect.unit() }))
 }
 
 /// The units in which a figure of this SI unit may be written.
@@ -132,11 +104,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn there_are_27_effects_and_all_but_one_have_units() {
+    fn every_effect_with_parameters_has_units() {
         assert_eq!(EFFECTS.len(), 27);
-        for (name, si) in EFFECTS {
-            assert_eq!(accepted(si).is_empty(), *name == "dither-size-effect", "{name}");
-            assert_eq!(scale(accepted(si), si).unwrap_or(1.0), 1.0, "{name}");
+        for effect in &EFFECTS {
+            let units = effect_units(effect.name()).map(|(_, si)| accepted(si)).unwrap_or_default();
+            assert_eq!(units.is_empty(), effect.components().is_empty(), "{}", effect.name());
+            assert_eq!(scale(units, effect.unit()).unwrap_or(1.0), 1.0, "{}", effect.name());
         }
     }
 

@@ -1,0 +1,96 @@
+//! The results for machines.
+
+use std::time::Duration;
+
+use miette::{IntoDiagnostic, Result};
+use serde::Serialize;
+use sinscal::FilterInfo;
+
+use super::run::{Options, Outcome};
+use crate::log::Log;
+
+/// `calibrate --json`.
+#[derive(Serialize)]
+pub(super) struct Report {
+    filter: &'static str,
+    states: usize,
+    samples: u64,
+    duration_s: f64,
+    wall_s: f64,
+    nis_per_dof: f64,
+    parameters: Vec<ParameterReport>,
+    r#final: Final,
+    passes: u32,
+    form: &'static str,
+    updates: usize,
+    rejected: usize,
+    log_likelihood: f64,
+    bridged_rows: u64,
+    log: String,
+}
+
+/// One parameter; what the data cannot show has no value.
+#[derive(Serialize)]
+struct ParameterReport {
+    name: &'static str,
+    component: &'static str,
+    value: Option<f64>,
+    sigma: Option<f64>,
+    unit: &'static str,
+    prior_sigma: f64,
+    converged_s: Option<f64>,
+    estimated: bool,
+}
+
+/// The navigation solution at the last sample.
+#[derive(Serialize)]
+struct Final {
+    attitude_quat_wxyz: [f64; 4],
+    position_enu_m: [f64; 3],
+    velocity_enu_m_s: [f64; 3],
+}
+
+impl Report {
+    pub(super) fn new(log: &Log, filter: &FilterInfo, options: Options, outcome: &Outcome, wall: Duration) -> Self {
+        let parameters = outcome.parameters.iter().enumerate().map(|(index, parameter)| {
+            let known = |value: f64| parameter.estimated.then_some(value);
+            ParameterReport {
+                name: parameter.info.block,
+                component: parameter.info.component,
+                value: known(parameter.value),
+                sigma: known(parameter.sigma),
+                unit: parameter.info.unit,
+                prior_sigma: parameter.prior_sigma,
+                converged_s: outcome.history.converged(index, outcome.start).and_then(known),
+                estimated: parameter.estimated,
+            }
+        });
+        let attitude = outcome.attitude.quaternion();
+        Self {
+            filter: filter.name,
+            states: filter.states,
+            samples: outcome.samples,
+            duration_s: outcome.duration,
+            wall_s: wall.as_secs_f64(),
+            nis_per_dof: outcome.statistics.nis_per_dof(),
+            parameters: parameters.collect(),
+            r#final: Final {
+                attitude_quat_wxyz: [attitude.w, attitude.i, attitude.j, attitude.k],
+                position_enu_m: outcome.position.into(),
+                velocity_enu_m_s: outcome.velocity.into(),
+            },
+            passes: options.passes,
+            form: options.form.name(),
+            updates: outcome.statistics.updates,
+            rejected: outcome.statistics.rejected,
+            log_likelihood: outcome.statistics.log_likelihood,
+            bridged_rows: outcome.bridged.rows,
+            log: log.table().display().to_string(),
+        }
+    }
+
+    /// The document, with a line end.
+    pub(super) fn render(&self) -> Result<String> {
+        Ok(serde_json::to_string_pretty(self).into_diagnostic()? + "\n")
+    }
+}

@@ -1,0 +1,126 @@
+//! `sinscal calibrate`: runs a filter over a log.
+
+mod json;
+mod run;
+mod text;
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::builder::PossibleValuesParser;
+use clap::{Args, ValueEnum};
+use miette::{Result, miette};
+use sinscal::FILTERS;
+
+use crate::log::Log;
+use crate::output::{self, Files};
+
+/// Calibrate a unit: run a filter over a log and report its parameters
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// The log: path of its table or description, with or without ending
+    log: PathBuf,
+    /// The filter to run; `sinscal filters` lists them
+    #[arg(long, value_name = "NAME", ignore_case = true,
+          value_parser = PossibleValuesParser::new(FILTERS.iter().map(|filter| filter.name)))]
+    filter: String,
+    /// Number of passes; each after the first linearises about the parameters found before
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    passes: u32,
+    /// How the covariance is kept
+    #[arg(long, value_enum, default_value_t = Form::Conventional)]
+    form: Form,
+    /// Fill gaps of up to this length by interpolated increments
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = gap)]
+    bridge_gaps: f64,
+    /// Write the results as JSON; `-` writes them to standard output instead of the table
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write calibration.json and history.csv (estimates and sigmas over time) to this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// How the covariance is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Form {
+    /// As a symmetric matrix
+    Conventional,
+    /// As U D U' (Thornton and Bierman)
+    Ud,
+}
+
+impl Form {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Conventional => "conventional",
+            Self::Ud => "ud",
+        }
+    }
+}
+
+fn gap(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (0.0..=10.0).contains(&seconds) => Ok(seconds),
+        _ => Err("a number of seconds from 0 to 10 was expected".into()),
+    }
+}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<()> {
+        let started = Instant::now();
+        let to_stdout = self.json.as_ref().is_some_and(|path| path.as_os_str() == "-");
+        let json_file = self.json.as_ref().filter(|_| !to_stdout);
+        if let Some(path) = json_file {
+            output::check_file(path)?;
+        }
+        if let Some(path) = &self.out {
+            output::check_folder(path)?;
+        }
+        // Names are matched without regard to case: take the listed spelling.
+        let filter = FILTERS
+            .iter()
+            .find(|filter| filter.name.eq_ignore_ascii_case(&self.filter))
+            .ok_or_else(|| miette!("there is no filter called {}", self.filter))?;
+
+        let mut log = Log::open(&self.log)?;
+        log.bridge_gaps(self.bridge_gaps);
+        for warning in log.warnings() {
+            output::remark(&format!("warning: {warning}"));
+        }
+        let options = run::Options { passes: self.passes, form: self.form };
+        let outcome = run::run(&log, filter.name, options)?;
+        if outcome.statistics.updates == 0 {
+            let measures = filter.measures().collect::<Vec<_>>().join(" and ");
+            let table = log.table().display();
+            return Err(miette!(
+                "{table}: no update was made: {} measures {measures}, and no row has such a reference that it accepts",
+                filter.name
+            ));
+        }
+        if outcome.bridged.gaps > 0 {
+            let (gaps, rows) = (outcome.bridged.gaps, outcome.bridged.rows);
+            output::remark(&format!("{gaps} gaps were filled with {rows} interpolated rows"));
+        }
+
+        let report = json::Report::new(&log, filter, options, &outcome, started.elapsed());
+        let json = report.render()?;
+        let mut files = Files::default();
+        if let Some(path) = json_file {
+            files.write(path, |file| file.write_all(json.as_bytes()))?;
+        }
+        if let Some(folder) = &self.out {
+            files.folder(folder)?;
+            files.write(&folder.join("calibration.json"), |file| file.write_all(json.as_bytes()))?;
+            files.write(&folder.join("history.csv"), |file| text::history(&outcome, file))?;
+        }
+        files.commit()?;
+
+        if to_stdout {
+            output::remark(&text::verdict(filter.name, &outcome));
+            output::print(&json)
+        } else {
+            output::print(&text::table(filter.name, &outcome, started.elapsed()))
+        }
+    }
+}

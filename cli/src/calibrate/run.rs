@@ -1,0 +1,163 @@
+//! Driving the library's calibration over the passes of a log.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use miette::{Result, miette};
+use nalgebra::{UnitQuaternion, Vector3};
+use sinscal::{
+    Aligner, Calibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter, Setup, Statistics,
+    Strapdown, Ud,
+};
+
+use super::Form;
+use crate::history::History;
+use crate::log::{Bridged, Log};
+
+/// The progress bar moves every so many samples.
+const BAR_SAMPLES: u64 = 4096;
+
+/// How to run.
+#[derive(Clone, Copy)]
+pub(super) struct Options {
+    pub(super) passes: u32,
+    pub(super) form: Form,
+}
+
+/// What came of it.
+pub(super) struct Outcome {
+    pub(super) samples: u64,
+    /// From the start of the first interval to the end of the last, s.
+    pub(super) duration: f64,
+    /// Time of the start of the first interval, s.
+    pub(super) start: f64,
+    pub(super) parameters: Vec<Parameter>,
+    pub(super) history: History,
+    pub(super) statistics: Statistics,
+    pub(super) attitude: UnitQuaternion<f64>,
+    pub(super) position: Vector3<f64>,
+    pub(super) velocity: Vector3<f64>,
+    pub(super) bridged: Bridged,
+}
+
+/// Runs the filter called `filter` over the log.
+pub(super) fn run(log: &Log, filter: &str, options: Options) -> Result<Outcome> {
+    let initial = match log.description().initial {
+        Some(initial) => initial,
+        None => align(log)?,
+    };
+    sinscal::visit_filter(filter, Run { log, initial, options })
+        .unwrap_or_else(|| Err(miette!("there is no filter called {filter}")))
+}
+
+/// The attitude at the first row, from the still stretch the log begins with.
+fn align(log: &Log) -> Result<InitialAttitude> {
+    let description = log.description();
+    let prior = |name: &str| {
+        let given = description.priors.iter().find(|(effect, _)| *effect == name).map(|(_, sigma)| *sigma);
+        given.or_else(|| sinscal::effect(name).map(|effect| effect.prior_sigma)).unwrap_or(f64::INFINITY)
+    };
+    let (gyro, accel) = (prior("gyro-bias"), prior("accel-bias"));
+    let mut aligner = Aligner::new(description.site, description.rate, description.noise, gyro, accel);
+    for sample in log.samples()? {
+        if !aligner.push(&sample?) {
+            break;
+        }
+    }
+    aligner.finish().map_err(|error| miette!("{}: {error}", log.table().display()))
+}
+
+struct Run<'a> {
+    log: &'a Log,
+    initial: InitialAttitude,
+    options: Options,
+}
+
+impl FilterVisitor for Run<'_> {
+    type Output = Result<Outcome>;
+
+    fn visit<F: Filter<Dynamics = Strapdown>>(self) -> Self::Output {
+        match self.options.form {
+            Form::Conventional => self.calibrate::<F, Conventional>(),
+            Form::Ud => self.calibrate::<F, Ud>(),
+        }
+    }
+}
+
+impl Run<'_> {
+    fn calibrate<F: Filter<Dynamics = Strapdown>, C: sinscal::Form>(self) -> Result<Outcome> {
+        let description = self.log.description();
+        let mut calibration = Box::new(Calibration::<F, C>::new(&Setup {
+            rate: description.rate,
+            site: description.site,
+            initial: self.initial,
+            reference: description.reference,
+            update_rate: self.log.update_rate(),
+            noise: description.noise,
+            reference_temperature: description.reference_temperature,
+            outer_lever: description.outer_lever,
+            priors: &description.priors,
+        }));
+        let mut parameters = Vec::new();
+        calibration.parameters(&mut |parameter| parameters.push(parameter));
+        let mut history = History::new(parameters.len());
+        let mut samples = 0_u64;
+        let mut times = (0.0, 0.0);
+        let mut bridged = Bridged::default();
+
+        let bar = progress_bar(self.log.size() * u64::from(self.options.passes));
+        for pass in 0..self.options.passes {
+            if pass > 0 {
+                calibration.begin_pass();
+                history.clear();
+            }
+            samples = 0;
+            let mut rows = self.log.samples()?;
+            while let Some(row) = rows.next() {
+                let sample = row?;
+                if samples == 0 {
+                    times.0 = sample.time - 1.0 / description.rate;
+                }
+                times.1 = sample.time;
+                samples += 1;
+                if samples.is_multiple_of(BAR_SAMPLES) {
+                    bar.set_position(self.log.size() * u64::from(pass) + rows.position());
+                }
+                let update = calibration
+                    .step(&sample)
+                    .map_err(|error| miette!("{}: {error}", self.log.table().display()))?;
+                if update.is_some() && history.due() {
+                    history.push(sample.time, |put| {
+                        calibration.parameters(&mut |parameter| put(parameter.value, parameter.sigma));
+                    });
+                }
+            }
+            bridged = rows.bridged();
+        }
+        bar.finish_and_clear();
+        history.push(times.1, |put| {
+            calibration.parameters(&mut |parameter| put(parameter.value, parameter.sigma));
+        });
+        parameters.clear();
+        calibration.parameters(&mut |parameter| parameters.push(parameter));
+        Ok(Outcome {
+            samples: samples - bridged.rows,
+            duration: times.1 - times.0,
+            start: times.0,
+            parameters,
+            history,
+            statistics: *calibration.statistics(),
+            attitude: calibration.attitude(),
+            position: calibration.position(),
+            velocity: calibration.navigation().velocity,
+            bridged,
+        })
+    }
+}
+
+/// A bar on standard error when that is a terminal, else nothing.
+fn progress_bar(length: u64) -> ProgressBar {
+    let bar = ProgressBar::new(length);
+    match ProgressStyle::with_template("calibrating {wide_bar} {percent:>3} %  {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}

@@ -1,0 +1,123 @@
+//! The results for people.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use std::time::Duration;
+
+use sinscal::Parameter;
+
+use super::run::Outcome;
+
+/// NIS per degree of freedom of a filter whose model and noise agree with the data: 1, give or take what a few per cent
+/// of unmodelled noise make of it.
+const FITS: (f64, f64) = (0.8, 1.2);
+
+/// Whether the filter explains the data, in one line.
+pub(super) fn verdict(filter: &str, outcome: &Outcome) -> String {
+    let statistics = &outcome.statistics;
+    let nis = statistics.nis_per_dof();
+    let judgement = if nis > FITS.1 {
+        "does not fit: the residuals are larger than its model allows"
+    } else if nis < FITS.0 {
+        "fits, but the noise given in the description is larger than that of the data"
+    } else if nis.is_nan() {
+        "says nothing"
+    } else {
+        "fits"
+    };
+    let mut text = format!("{filter} {judgement}: NIS per degree of freedom {nis:.2} over {} updates", statistics.updates);
+    if statistics.rejected > 0 {
+        let _ = write!(text, ", {} outliers rejected", statistics.rejected);
+    }
+    text
+}
+
+/// Verdict, parameters and final state. Writing to a string does not fail.
+pub(super) fn table(filter: &str, outcome: &Outcome, wall: Duration) -> String {
+    let mut text = verdict(filter, outcome) + "\n";
+    let _ = writeln!(
+        text,
+        "{} samples, {:.1} s, computed in {:.2} s\n",
+        outcome.samples,
+        outcome.duration,
+        wall.as_secs_f64()
+    );
+    let _ = writeln!(
+        text,
+        "{:30} {:>14}   {:10} {:10} {:>11}  {:>10}",
+        "parameter", "estimate", "+- sigma", "unit", "prior sigma", "converged"
+    );
+    for (index, parameter) in outcome.parameters.iter().enumerate() {
+        let info = &parameter.info;
+        let name = format!("{} {}", info.block, info.component);
+        let [estimate, sigma] = figures(parameter);
+        let converged = match outcome.history.converged(index, outcome.start) {
+            Some(time) if parameter.estimated => format!("{time:.0} s"),
+            _ => "-".into(),
+        };
+        let prior = significant(parameter.prior_sigma / info.sheet_scale);
+        let _ = writeln!(
+            text,
+            "{name:30} {estimate:>14}   {sigma:10} {:10} {prior:>11}  {converged:>10}",
+            info.sheet_unit
+        );
+    }
+    let attitude = outcome.attitude.quaternion();
+    let (position, velocity) = (&outcome.position, &outcome.velocity);
+    let _ = writeln!(
+        text,
+        "\nat the end: attitude (w, x, y, z) {:.6} {:.6} {:.6} {:.6}",
+        attitude.w, attitude.i, attitude.j, attitude.k
+    );
+    let _ = writeln!(
+        text,
+        "            position of the IMU (east, north, up) {:.4} {:.4} {:.4} m, velocity {:.5} {:.5} {:.5} m/s",
+        position.x, position.y, position.z, velocity.x, velocity.y, velocity.z
+    );
+    text
+}
+
+/// Estimate and sigma in data-sheet units, to two figures of the sigma.
+fn figures(parameter: &Parameter) -> [String; 2] {
+    if !parameter.estimated {
+        return ["not estimated".into(), String::new()];
+    }
+    let scale = parameter.info.sheet_scale;
+    let (value, sigma) = (parameter.value / scale, parameter.sigma / scale);
+    let digits = decimals(sigma);
+    [format!("{value:.digits$}"), format!("{sigma:.digits$}")]
+}
+
+/// Decimals that show two figures of a number.
+fn decimals(number: f64) -> usize {
+    if number > 0.0 && number.is_finite() { (1.0 - number.log10().floor()).clamp(0.0, 12.0) as usize } else { 2 }
+}
+
+/// A number to about three figures.
+fn significant(number: f64) -> String {
+    let digits = (decimals(number) + 1).min(12);
+    let text = format!("{number:.digits$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+/// Estimates and sigmas over time, as comma-separated text in SI units.
+pub(super) fn history(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
+    write!(out, "time_s")?;
+    for parameter in &outcome.parameters {
+        let info = &parameter.info;
+        let name = if info.component.is_empty() { info.block.to_owned() } else { format!("{}.{}", info.block, info.component) };
+        write!(out, ",{name},{name}.sigma")?;
+    }
+    writeln!(out)?;
+    for (time, points) in outcome.history.rows() {
+        write!(out, "{time}")?;
+        for (value, sigma) in points {
+            write!(out, ",{value:e},{sigma:e}")?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}

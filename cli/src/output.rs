@@ -1,0 +1,151 @@
+//! Results on standard output and in files, remarks on standard error.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use miette::{Result, miette};
+use tempfile::NamedTempFile;
+
+/// Writes a remark for people. A closed standard error is nobody's loss.
+pub(crate) fn remark(text: &str) {
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// Writes to standard output. A reader that has gone away has seen enough: that is no failure.
+pub(crate) fn print(text: &str) -> Result<()> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(miette!("standard output cannot be written: {error}"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a file that could not be written at the end of a long run.
+pub(crate) fn check_file(path: &Path) -> Result<()> {
+    if path.is_dir() {
+        return Err(miette!("{}: is a folder, a file was expected", path.display()));
+    }
+    let folder = folder_of(path);
+    if !folder.is_dir() {
+        return Err(miette!("{}: the folder {} is not there", path.display(), folder.display()));
+    }
+    Ok(())
+}
+
+/// Refuses a folder that could not be made at the end of a long run.
+pub(crate) fn check_folder(path: &Path) -> Result<()> {
+    let existing = path.ancestors().find(|folder| folder.exists());
+    match existing {
+        Some(folder) if !folder.is_dir() => {
+            Err(miette!("{}: {} is a file, a folder was expected", path.display(), folder.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Files that appear together once all of them are written, or not at all.
+#[derive(Default)]
+pub(crate) struct Files {
+    written: Vec<(NamedTempFile, PathBuf)>,
+    /// Folders made on the way, outermost first.
+    made: Vec<PathBuf>,
+    done: bool,
+}
+
+impl Files {
+    /// Makes a folder and those above it, where missing.
+    pub(crate) fn folder(&mut self, path: &Path) -> Result<()> {
+        let missing: Vec<&Path> =
+            path.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists()).collect();
+        for folder in missing.into_iter().rev() {
+            fs::create_dir(folder).map_err(|error| failed(folder, &error))?;
+            self.made.push(folder.to_owned());
+        }
+        Ok(())
+    }
+
+    /// Writes a file beside its final place.
+    pub(crate) fn write(&mut self, path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+        // A device or a pipe is no file to be replaced.
+        if path.exists() && !path.is_file() {
+            let mut stream = File::options().write(true).open(path).map_err(|error| failed(path, &error))?;
+            return fill(&mut stream).and_then(|()| stream.flush()).map_err(|error| failed(path, &error));
+        }
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".sinscal-").suffix(".part");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            // What a file gets that is simply created: the umask still applies.
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        let file = builder.tempfile_in(folder_of(path)).map_err(|error| failed(path, &error))?;
+        let mut buffered = io::BufWriter::new(file);
+        fill(&mut buffered).map_err(|error| failed(path, &error))?;
+        let file = buffered.into_inner().map_err(|error| failed(path, error.error()))?;
+        file.as_file().sync_all().map_err(|error| failed(path, &error))?;
+        self.written.push((file, path.to_owned()));
+        Ok(())
+    }
+
+    /// Moves all files to their places.
+    pub(crate) fn commit(mut self) -> Result<()> {
+        for (file, path) in self.written.drain(..) {
+            file.persist(&path).map_err(|error| failed(&path, &error.error))?;
+        }
+        self.done = true;
+        Ok(())
+    }
+}
+
+impl Drop for Files {
+    fn drop(&mut self) {
+        if !self.done {
+            self.written.clear();
+            for folder in self.made.iter().rev() {
+                // Only an empty folder goes; whatever else came to stand in it stays.
+                let _ = fs::remove_dir(folder);
+            }
+        }
+    }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+fn failed(path: &Path, error: &io::Error) -> miette::Report {
+    miette!("{}: cannot be written: {error}", path.display())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_left_of_a_failure() -> Result<(), Box<dyn std::error::Error>> {
+        let folder = tempfile::tempdir()?;
+        let out = folder.path().join("a/b");
+        let mut files = Files::default();
+        files.folder(&out)?;
+        files.write(&out.join("one"), |file| file.write_all(b"1"))?;
+        let second = files.write(&out.join("two"), |_| Err(io::Error::other("disk full")));
+        assert!(second.is_err_and(|error| error.to_string().contains("disk full")));
+        drop(files);
+        assert_eq!(fs::read_dir(folder.path())?.count(), 0);
+
+        let mut files = Files::default();
+        files.folder(&out)?;
+        files.write(&out.join("one"), |file| file.write_all(b"1"))?;
+        files.commit()?;
+        assert_eq!(fs::read_to_string(out.join("one"))?, "1");
+        assert_eq!(fs::read_dir(&out)?.count(), 1);
+        Ok(())
+    }
+}

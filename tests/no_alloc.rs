@@ -1,0 +1,43 @@
+//! The filter loop does not allocate: the allocator of this test aborts when it does.
+
+mod common;
+
+use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use common::{sample, setup, signals};
+use nalgebra::Vector3;
+use sinscal::{Calibration, Conventional, Form, Sins43B, Ud};
+
+#[cfg(debug_assertions)]
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;
+
+fn calibrates_without_allocation<C: Form>() {
+    let mut updates = 0;
+    let mut run = Calibration::<Sins43B, C>::new(&setup());
+    assert_no_alloc(|| {
+        for pass in 0..2 {
+            for k in 0..500 {
+                let time = f64::from(k) * 0.01;
+                let now = signals(time);
+                let mut sample = sample(time, now.rate * 0.01, now.force * 0.01);
+                sample.dither = Vector3::repeat(0.08);
+                sample.reference.velocity = Some(Vector3::zeros());
+                sample.reference.position = Some(Vector3::zeros());
+                if let Ok(Some(_)) = run.step(&sample) {
+                    updates += 1;
+                }
+            }
+            if pass == 0 {
+                run.begin_pass();
+            }
+        }
+        run.parameters(&mut |_| ());
+    });
+    assert_eq!(updates, 2 * 10);
+}
+
+#[test]
+fn the_loop_does_not_allocate_in_either_form() {
+    calibrates_without_allocation::<Conventional>();
+    calibrates_without_allocation::<Ud>();
+}
