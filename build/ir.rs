@@ -76,7 +76,7 @@ impl Kind {
 }
 
 /// Vectors along x, y, z that expressions may be read from, and scalars.
-const SIGNAL_VECTORS: [&str; 7] = [
+const SIGNAL_VECTORS: [&str; 8] = [
     "rate",
     "angular_acceleration",
     "force",
@@ -84,6 +84,7 @@ const SIGNAL_VECTORS: [&str; 7] = [
     "temperature_rate",
     "gyro_temperature",
     "dither",
+    "coupled_dither",
 ];
 const SIGNAL_SCALARS: [&str; 1] = ["time"];
 const POINT_VECTORS: [&str; 8] = [

@@ -3,7 +3,7 @@
 //! Level comes from gravity, heading from the Earth's rate (analytic coarse alignment; Titterton and Weston, *Strapdown
 //! Inertial Navigation Technology*, 2nd ed., section 10.3). It serves where a log has no attitude of its own.
 
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{ComplexField, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::{InitialAttitude, Sample, SensorNoise, Site, earth};
 
@@ -109,7 +109,7 @@ impl Aligner {
             let rate = self.window.dtheta / self.window.time;
             let force = self.window.dvel / self.window.time;
             let (first_rate, first_force) = *self.first.get_or_insert((rate, force));
-            let six_sigma = 6.0 * (2.0 / self.window.time).sqrt();
+            let six_sigma = 6.0 * ComplexField::sqrt(2.0 / self.window.time);
             let still = (rate - first_rate).norm() < RATE_STEP + six_sigma * self.noise.angle_random_walk
                 && (force - first_force).norm() < FORCE_STEP + six_sigma * self.noise.velocity_random_walk;
             self.moved = !still;
@@ -133,9 +133,9 @@ impl Aligner {
             return Err(AlignError::NotStill { still: time });
         }
         let gravity = earth::gravity(self.site.latitude, self.site.height);
-        let horizontal_rate = earth::ROTATION_RATE * self.site.latitude.cos();
-        let force_error = self.accel_bias_sigma.hypot(self.noise.velocity_random_walk / time.sqrt());
-        let rate_error = self.gyro_bias_sigma.hypot(self.noise.angle_random_walk / time.sqrt());
+        let horizontal_rate = earth::ROTATION_RATE * ComplexField::cos(self.site.latitude);
+        let force_error = combined(self.accel_bias_sigma, self.noise.velocity_random_walk, time);
+        let rate_error = combined(self.gyro_bias_sigma, self.noise.angle_random_walk, time);
         let heading_sigma = rate_error / horizontal_rate;
         if !(heading_sigma < WORST_HEADING) {
             return Err(AlignError::HeadingUnknown { sigma: heading_sigma });
@@ -152,4 +152,9 @@ impl Aligner {
             heading_sigma,
         })
     }
+}
+
+/// Standard deviation of a mean over `time` of a sensor with a bias and a random walk.
+fn combined(bias_sigma: f64, random_walk: f64, time: f64) -> f64 {
+    ComplexField::sqrt(bias_sigma * bias_sigma + random_walk * random_walk / time)
 }

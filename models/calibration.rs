@@ -75,6 +75,29 @@ impl Statistics {
     }
 }
 
+/// Is told what a [`Calibration`] does, step by step: for smoothing, for pricing effects, for figures.
+///
+/// Every method does nothing by default.
+pub trait Observer<F: Filter<Dynamics = Strapdown>> {
+    /// State and covariance have moved over `transition`; `density` is the white noise on the leading states.
+    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
+        let _ = (transition, density);
+    }
+
+    /// The residuals at the sample of `time`, formed at `at` under `signals`, are about to be used.
+    fn measured(&mut self, time: f64, at: &Point<f64>, signals: &Signals<f64>, residuals: &Residuals<F, f64>) {
+        let _ = (time, at, signals, residuals);
+    }
+
+    /// `correction` was taken out of the state vector and put into navigation solution and parameters.
+    fn fed_back(&mut self, correction: &Vector<F, f64>) {
+        let _ = correction;
+    }
+}
+
+/// Nobody watches.
+impl<F: Filter<Dynamics = Strapdown>> Observer<F> for () {}
+
 /// The filter stopped making sense.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Diverged {
@@ -171,10 +194,11 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         for i in 0..F::Shape::CORE {
             prior[i] = start[i];
             density[i] = match i {
-                0..3 => setup.noise.angle_random_walk.powi(2),
-                3..6 => setup.noise.velocity_random_walk.powi(2),
+                0..3 => setup.noise.angle_random_walk,
+                3..6 => setup.noise.velocity_random_walk,
                 _ => 0.0,
             };
+            density[i] *= density[i];
         }
         let scalars = Scalars {
             rate: setup.rate,
@@ -231,6 +255,18 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
     /// # Errors
     /// When the filter has diverged; the run cannot go on.
     pub fn step(&mut self, sample: &Sample) -> Result<Option<Update>, Diverged> {
+        self.step_observed(sample, &mut ())
+    }
+
+    /// [`step`](Self::step) with somebody watching.
+    ///
+    /// # Errors
+    /// When the filter has diverged; the run cannot go on.
+    pub fn step_observed(
+        &mut self,
+        sample: &Sample,
+        observer: &mut impl Observer<F>,
+    ) -> Result<Option<Update>, Diverged> {
         let dt = match self.time {
             Some(before) => sample.time - before,
             None => 1.0 / self.setup.rate,
@@ -258,11 +294,11 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             return Ok(None);
         }
         signals.rate = end_rate;
-        self.predict();
+        self.predict(observer);
         if !residuals_due {
             return Ok(None);
         }
-        self.update(sample, &signals)
+        self.update(sample, &signals, observer)
     }
 
     /// The first sample says where the run begins; its attitude is the initial one.
@@ -292,7 +328,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         }
     }
 
-    fn predict(&mut self) {
+    fn predict(&mut self, observer: &mut impl Observer<F>) {
         if self.step.elapsed > 0.0 {
             let at = self.point(
                 self.navigation.c_bn(),
@@ -307,19 +343,26 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         }
         let elapsed = self.transition.elapsed();
         self.kalman.predict(&self.transition, &self.density);
+        observer.predicted(&self.transition, &self.density);
         F::relaxation(&mut |state, relaxation| {
             self.parameters[state] *= Fade::over(relaxation, state, elapsed).keep;
         });
         self.transition.reset();
-        self.feed_back_navigation();
+        self.feed_back(false, observer);
     }
 
-    fn update(&mut self, sample: &Sample, signals: &Signals<f64>) -> Result<Option<Update>, Diverged> {
+    fn update(
+        &mut self,
+        sample: &Sample,
+        signals: &Signals<f64>,
+        observer: &mut impl Observer<F>,
+    ) -> Result<Option<Update>, Diverged> {
         let at = self.point(self.navigation.c_bn(), self.navigation.attitude * signals.force, &signals.rate);
         let residuals = self.residuals(&sample.reference, &at);
         if residuals.is_empty() {
             return Ok(None);
         }
+        observer.measured(sample.time, &at, signals, &residuals);
         let found = self
             .kalman
             .update(&at, signals, residuals, None)
@@ -327,13 +370,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         if !found.nis.is_finite() {
             return Err(Diverged { time: sample.time });
         }
-        self.feed_back_navigation();
-        if !self.hold_parameters {
-            for i in F::Shape::CORE..F::Shape::STATES {
-                self.parameters[i] += self.kalman.x()[i];
-                self.kalman.x_mut()[i] = 0.0;
-            }
-        }
+        self.feed_back(!self.hold_parameters, observer);
         // half a sample of slack, so that rounding of the time stamps does not skip a reading
         self.next_update = sample.time + 1.0 / self.setup.update_rate - 0.5 / self.setup.rate;
         self.statistics.updates += 1;
@@ -381,16 +418,21 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         residuals
     }
 
-    /// Puts the estimated navigation errors into the navigation solution.
-    fn feed_back_navigation(&mut self) {
+    /// Puts the estimated navigation errors into the navigation solution, and if asked the parameters into theirs.
+    fn feed_back(&mut self, parameters: bool, observer: &mut impl Observer<F>) {
+        let mut correction = F::Shape::vector(0.0);
+        let last = if parameters { F::Shape::STATES } else { F::Shape::CORE };
         let x = self.kalman.x_mut();
-        let phi = Vector3::new(x[0], x[1], x[2]);
-        let dv = Vector3::new(x[3], x[4], x[5]);
-        let dp = Vector3::new(x[6], x[7], x[8]);
-        for i in 0..F::Shape::CORE {
+        for i in 0..last {
+            correction[i] = x[i];
             x[i] = 0.0;
         }
-        self.navigation.correct(&phi, &dv, &dp);
+        let part = |first: usize| Vector3::new(correction[first], correction[first + 1], correction[first + 2]);
+        self.navigation.correct(&part(0), &part(3), &part(6));
+        for i in F::Shape::CORE..last {
+            self.parameters[i] += correction[i];
+        }
+        observer.fed_back(&correction);
     }
 
     /// Current estimate of the outer lever arm, b, m.

@@ -94,6 +94,7 @@ impl Compensator {
         let force = sample.dvel / dt;
         let gyro_temperature =
             if self.gyro_temperature.has_read() { self.gyro_temperature.value } else { self.temperature.value };
+        let dither = self.dither.component_mul(&self.dither) * 0.5;
         let before = if self.last_rate.x.is_nan() { rate } else { self.last_rate };
         let mut signals = Signals {
             rate,
@@ -102,7 +103,8 @@ impl Compensator {
             temperature: self.temperature.value.add_scalar(-self.reference_temperature),
             temperature_rate: self.temperature.rate,
             gyro_temperature: gyro_temperature.add_scalar(-self.reference_temperature),
-            dither: self.dither.component_mul(&self.dither) * 0.5,
+            dither,
+            coupled_dither: dither,
             time: sample.time - self.start,
         };
         self.last_rate = rate;

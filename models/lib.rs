@@ -36,14 +36,14 @@ pub use calib_core::{
     Block, BlockSet, BlockView, ChannelGroup, Conventional, Dim, Dynamics, Estimate, Filter, Form, Innovation, Kalman,
     Need, Real, Relaxation, Residuals, Shape, StateInfo, Transition, Ud, View,
 };
-pub use calibration::{Calibration, Diverged, Parameter, Statistics, Update};
+pub use calibration::{Calibration, Diverged, Observer, Parameter, Statistics, Update};
 pub use compensation::{Compensator, input_errors};
 pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35, visit_filter,
 };
 pub use sample::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Site};
 pub use signals::{Point, Signals};
-pub use strapdown_model::Strapdown;
+pub use strapdown_model::{FORCE, RATE, Strapdown};
 pub use state_macro::StateBlocks;
 
 /// What a declaration needs: `use sinscal::prelude::*;`.

@@ -23,6 +23,9 @@ pub struct Signals<T: Real> {
     pub gyro_temperature: Vector3<T>,
     /// Mean square of the dither rate about each axis, A^2/2, (rad/s)^2.
     pub dither: Vector3<T>,
+    /// The part of it that acts through the inner lever arm of a declaration: all of it where
+    /// [`Dither`](crate::Dither) is declared, zero elsewhere.
+    pub coupled_dither: Vector3<T>,
     /// Time since the first sample, s.
     pub time: T,
 }

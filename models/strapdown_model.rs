@@ -18,6 +18,11 @@ use crate::{Point, Signals, tables};
 #[derive(Clone, Copy, Debug)]
 pub struct Strapdown;
 
+/// Sensor input of the angular rate about x; y and z follow. What [`Block::input_jacobian`](crate::Block) puts for gyros.
+pub const RATE: usize = 0;
+/// Sensor input of the specific force along x; y and z follow. What a block puts for accelerometers.
+pub const FORCE: usize = 3;
+
 const ENU: &[&str] = &["e", "n", "u"];
 
 impl Dynamics for Strapdown {
@@ -46,11 +51,11 @@ impl Dynamics for Strapdown {
     type Signals<T: Real> = Signals<T>;
     type Point<T: Real> = Point<T>;
 
-    /// Forgets the dither where no declared block knows of it.
+    /// Without `Dither` in the declaration the inner lever arm knows nothing of the dither.
     #[inline(always)]
     fn restrict<T: Real>(signals: &mut Signals<T>, blocks: BlockSet) {
-        if !blocks.intersects(set::DITHER.union(set::DITHER_SIZE_EFFECT)) {
-            signals.dither = Vector3::zeros();
+        if !blocks.contains(set::DITHER) {
+            signals.coupled_dither = Vector3::zeros();
         }
     }
 

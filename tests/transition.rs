@@ -2,7 +2,7 @@
 
 mod common;
 
-use calib_core::{Array, Filter, Shape};
+use calib_core::{Filter, Shape};
 use common::{Numbers, setup, signals};
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::strapdown::{Increments, NavigationState};

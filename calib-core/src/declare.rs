@@ -5,7 +5,7 @@
 
 use core::marker::PhantomData;
 
-use crate::{Block, BlockSet, ChannelGroup, Dynamics, Filter, Need, Real};
+use crate::{Block, BlockSet, ChannelGroup, Dynamics, Filter, Need, Real, Relaxation, StateInfo};
 
 mod rules;
 mod text;
@@ -67,12 +67,14 @@ impl Part {
     }
 }
 
-/// Looks a type up: [`PART`](Self::PART) is inherent where `B` is a block of the dynamics `D`, and comes from
-/// [`Undescribed`] where it is not. So a wrong type is reported once, where its block functions are called, and
-/// does not keep the rules from judging the other fields.
-pub struct Describe<B, D>(PhantomData<(B, D)>);
+/// The block `B` as a field of a declaration with dynamics `D`.
+///
+/// Where `B` is a block of these dynamics the items are inherent; where it is not they come from [`Misfit`] and do
+/// nothing. So the one line that demands a block of the right dynamics, [`Same::SAME`], is the only one to fail,
+/// and the rules still judge the other fields.
+pub struct Field<B, D>(PhantomData<(B, D)>);
 
-impl<B: Block<Dynamics = D>, D: Dynamics> Describe<B, D> {
+impl<B: Block<Dynamics = D>, D: Dynamics> Field<B, D> {
     /// What the rules must know of `B`.
     pub const PART: Part = Part {
         name: "",
@@ -84,31 +86,82 @@ impl<B: Block<Dynamics = D>, D: Dynamics> Describe<B, D> {
         repeated: false,
         role: Role::Block,
     };
+
+    /// [`Block::states`].
+    pub fn states(visit: &mut dyn FnMut(StateInfo)) {
+        B::states(visit);
+    }
+
+    /// [`Block::input_jacobian`], with states counted from `offset`.
+    #[inline(always)]
+    pub fn input_jacobian<T: Real>(
+        offset: usize,
+        signals: &D::Signals<T>,
+        put: &mut impl FnMut(usize, usize, T),
+    ) {
+        B::input_jacobian(signals, &mut |input, state, value| put(input, offset + state, value));
+    }
+
+    /// [`Block::measurement_jacobian`], with states counted from `offset`.
+    #[inline(always)]
+    pub fn measurement_jacobian<T: Real>(
+        offset: usize,
+        at: &D::Point<T>,
+        put: &mut impl FnMut(usize, usize, T),
+    ) {
+        B::measurement_jacobian(at, &mut |channel, state, value| put(channel, offset + state, value));
+    }
+
+    /// [`Block::relaxation`], with states counted from `offset`.
+    #[inline(always)]
+    pub fn relaxation<T: Real>(offset: usize, put: &mut impl FnMut(usize, Relaxation<T>)) {
+        B::relaxation(&mut |state, relaxation| put(offset + state, relaxation));
+    }
 }
 
-/// See [`Describe`].
-pub trait Undescribed {
+/// A [`Field`] that is no block of the dynamics.
+pub trait Misfit {
     /// Nothing is known.
     const PART: Part = Part::UNKNOWN;
+
+    /// No states.
+    fn states(visit: &mut dyn FnMut(StateInfo)) {
+        let _ = visit;
+    }
+
+    /// No effect.
+    fn input_jacobian<T: Real>(offset: usize, signals: &impl Sized, put: &mut impl FnMut(usize, usize, T)) {
+        let _ = (offset, signals, put);
+    }
+
+    /// No effect.
+    fn measurement_jacobian<T: Real>(offset: usize, at: &impl Sized, put: &mut impl FnMut(usize, usize, T)) {
+        let _ = (offset, at, put);
+    }
+
+    /// Constant.
+    fn relaxation<T: Real>(offset: usize, put: &mut impl FnMut(usize, Relaxation<T>)) {
+        let _ = (offset, put);
+    }
 }
 
-impl<B, D> Undescribed for Describe<B, D> {}
+impl<B, D> Misfit for Field<B, D> {}
 
-/// Looks a base up, as [`Describe`] does a block.
-pub struct Measured<B>(PhantomData<B>);
+/// The type of a base, which is a filter or else [`Baseless`].
+pub struct Base<B>(PhantomData<B>);
 
-impl<B: Filter> Measured<B> {
+impl<B: Filter> Base<B> {
     /// The measurements of the filter `B`.
     pub const MEASURES: Option<&'static [usize]> = Some(B::MEASURES);
 }
 
-/// See [`Measured`].
-pub trait Unmeasured {
-    /// It is no filter.
+/// A [`Base`] that is no filter.
+pub trait Baseless {
+    /// It measures nothing.
     const MEASURES: Option<&'static [usize]> = None;
 }
 
-impl<B> Unmeasured for Measured<B> {}
+impl<B> Baseless for Base<B> {}
 
 /// The dynamics of a field are those of the declaration.
 #[diagnostic::on_unimplemented(
@@ -116,23 +169,12 @@ impl<B> Unmeasured for Measured<B> {}
     label = "its dynamics are `{Self}`",
     note = "`#[filter(dynamics = ...)]` or `#[group(dynamics = ...)]` names the dynamics of a declaration"
 )]
-pub trait Same<D: Dynamics>: Dynamics {
-    /// The same signals.
-    fn signals<T: Real>(signals: &D::Signals<T>) -> &Self::Signals<T>;
-    /// The same point.
-    fn point<T: Real>(at: &D::Point<T>) -> &Self::Point<T>;
+pub trait Same<D> {
+    /// Exists.
+    const SAME: () = ();
 }
 
-impl<D: Dynamics> Same<D> for D {
-    #[inline(always)]
-    fn signals<T: Real>(signals: &D::Signals<T>) -> &D::Signals<T> {
-        signals
-    }
-    #[inline(always)]
-    fn point<T: Real>(at: &D::Point<T>) -> &D::Point<T> {
-        at
-    }
-}
+impl<D> Same<D> for D {}
 
 /// Where each part begins.
 pub const fn offsets<const N: usize>(parts: &[Part; N]) -> [usize; N] {

@@ -32,6 +32,7 @@ class Signals:
     temperature_rate = _vector(SIGNALS, "td", "xyz", "temperature_rate")
     gyro_temperature = _vector(SIGNALS, "tg", "xyz", "gyro_temperature")  # at each gyro, minus the reference
     dither = _vector(SIGNALS, "a2", "xyz", "dither")  # A^2/2
+    coupled_dither = _vector(SIGNALS, "c2", "xyz", "coupled_dither")  # A^2/2 where `Dither` is declared, else zero
     time = _scalar(SIGNALS, "time", "time")
 
 

@@ -1,10 +1,10 @@
 //! A layout, to the implementations and the constants that judge it.
 
 use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream};
-use quote::{ToTokens, quote, quote_spanned};
-use syn::DeriveInput;
+use quote::{quote, quote_spanned};
 use syn::ext::IdentExt;
 use syn::spanned::Spanned;
+use syn::{DeriveInput, Type};
 
 use crate::ast::{Declaration, Field};
 use crate::attr::{Attributes, Kind};
@@ -32,6 +32,7 @@ fn expand(layout: &Layout) -> TokenStream {
     let view = view::expand(layout);
     let parts = parts(layout);
     let measures = layout.is_filter().then(|| measures(layout));
+    let belong = layout.declaration.fields.iter().map(|field| belongs(layout, field));
     let rules = rules(layout);
     let block = block(layout);
     let filter = layout.is_filter().then(|| filter(layout));
@@ -40,9 +41,10 @@ fn expand(layout: &Layout) -> TokenStream {
         #view
         const _: () = {
             #[allow(unused_imports)]
-            use #core::declare::{Undescribed as _, Unmeasured as _};
+            use #core::declare::{Baseless as _, Misfit as _};
             #parts
             #measures
+            #(#belong)*
             #rules
             #block
             #filter
@@ -58,9 +60,9 @@ fn parts(layout: &Layout) -> TokenStream {
     let parts = declaration.fields.iter().map(|field| {
         let Field { ident, ty, .. } = field;
         let name = ident.unraw().to_string();
-        let base = field.base.then(|| quote!(.base(#core::declare::Measured::<#ty>::MEASURES)));
+        let base = field.base.then(|| quote!(.base(#core::declare::Base::<#ty>::MEASURES)));
         let repeated = field.repeated.then(|| quote!(.repeated()));
-        quote!(#core::declare::Describe::<#ty, #dynamics>::PART.named(#name) #base #repeated)
+        quote!(#core::declare::Field::<#ty, #dynamics>::PART.named(#name) #base #repeated)
     });
     quote! {
         const PARTS: [#core::declare::Part; #count] = [#(#parts),*];
@@ -77,7 +79,7 @@ fn measures(layout: &Layout) -> TokenStream {
             quote!(&[#(#core::declare::channel(#channels, #names)),*])
         }
         (None, Some(Field { ty, .. })) => {
-            quote!(#core::declare::inherited(#core::declare::Measured::<#ty>::MEASURES))
+            quote!(#core::declare::inherited(#core::declare::Base::<#ty>::MEASURES))
         }
         (None, None) => quote!(&[]),
     };
@@ -90,7 +92,7 @@ fn measures(layout: &Layout) -> TokenStream {
 fn rules(layout: &Layout) -> TokenStream {
     let Layout { declaration, core, .. } = layout;
     let Declaration { ident, attrs, fields, .. } = declaration;
-    let leading = of_dynamics(layout, quote!(NEEDS));
+    let leading = of_dynamics(layout, "NEEDS");
     let Some(kind) = attrs.kind else { return TokenStream::new() };
     let judge = match kind {
         Kind::Filter => quote!(filter_field),
@@ -102,7 +104,7 @@ fn rules(layout: &Layout) -> TokenStream {
         .map(|(i, field)| rule(core, field.ends(), quote!(#core::declare::#judge(&PARTS, #i, #leading))))
         .collect();
     if kind == Kind::Filter {
-        let size = of_dynamics(layout, quote!(CORE));
+        let size = of_dynamics(layout, "CORE");
         let whole = quote!(#core::declare::filter(&PARTS, #leading, #size));
         rules.extend(rule(core, (ident.span(), ident.span()), whole));
         let channels = channels(layout);
@@ -145,24 +147,10 @@ fn block(layout: &Layout) -> TokenStream {
                 &#core::declare::needs::<{ #core::declare::count_needs(&PARTS) }>(&PARTS);
         }
     });
-    let states = fields.iter().map(|field| forward(field, core, "states", quote!(visit)));
-    let inputs = fields.iter().map(|field| {
-        let Field { ident, .. } = field;
-        let signals = same(field, core, "signals");
-        let put = quote!(|input, state, value| put(input, Self::OFFSETS.#ident + state, value));
-        forward(field, core, "input_jacobian", quote!(#signals(signals), &mut #put))
-    });
-    let measurements = fields.iter().map(|field| {
-        let Field { ident, .. } = field;
-        let point = same(field, core, "point");
-        let put = quote!(|channel, state, value| put(channel, Self::OFFSETS.#ident + state, value));
-        forward(field, core, "measurement_jacobian", quote!(#point(at), &mut #put))
-    });
-    let relaxations = fields.iter().map(|field| {
-        let Field { ident, .. } = field;
-        let put = quote!(|state, relaxation| put(Self::OFFSETS.#ident + state, relaxation));
-        forward(field, core, "relaxation", quote!(&mut #put))
-    });
+    let signals = of_dynamics(layout, "Signals");
+    let point = of_dynamics(layout, "Point");
+    let types: Vec<&Type> = fields.iter().map(|field| field.ty).collect();
+    let names: Vec<&Ident> = fields.iter().map(|field| field.ident).collect();
     quote! {
         #[automatically_derived]
         impl #core::Block for #ident {
@@ -174,28 +162,34 @@ fn block(layout: &Layout) -> TokenStream {
             const RELAXES: bool = #core::declare::relaxes(&PARTS);
 
             fn states(visit: &mut dyn ::core::ops::FnMut(#core::StateInfo)) {
-                #(#states)*
+                #(#core::declare::Field::<#types, Self::Dynamics>::states(visit);)*
             }
 
             #[inline(always)]
             fn input_jacobian<T: #core::Real>(
-                signals: &<Self::Dynamics as #core::Dynamics>::Signals<T>,
+                signals: &#signals,
                 put: &mut impl ::core::ops::FnMut(usize, usize, T),
             ) {
-                #(#inputs)*
+                #(#core::declare::Field::<#types, Self::Dynamics>::input_jacobian::<T>(
+                    Self::OFFSETS.#names, signals, put,
+                );)*
             }
 
             #[inline(always)]
             fn measurement_jacobian<T: #core::Real>(
-                at: &<Self::Dynamics as #core::Dynamics>::Point<T>,
+                at: &#point,
                 put: &mut impl ::core::ops::FnMut(usize, usize, T),
             ) {
-                #(#measurements)*
+                #(#core::declare::Field::<#types, Self::Dynamics>::measurement_jacobian::<T>(
+                    Self::OFFSETS.#names, at, put,
+                );)*
             }
 
             #[inline(always)]
             fn relaxation<T: #core::Real>(put: &mut impl ::core::ops::FnMut(usize, #core::Relaxation<T>)) {
-                #(#relaxations)*
+                #(#core::declare::Field::<#types, Self::Dynamics>::relaxation::<T>(
+                    Self::OFFSETS.#names, put,
+                );)*
             }
         }
     }
@@ -204,7 +198,7 @@ fn block(layout: &Layout) -> TokenStream {
 fn filter(layout: &Layout) -> TokenStream {
     let Layout { declaration, core, name, .. } = layout;
     let Declaration { ident, .. } = declaration;
-    let size = of_dynamics(layout, quote!(CORE));
+    let size = of_dynamics(layout, "CORE");
     let channels = channels(layout);
     quote! {
         #[automatically_derived]
@@ -253,34 +247,28 @@ fn dynamics(layout: &Layout) -> TokenStream {
 }
 
 fn channels(layout: &Layout) -> TokenStream {
-    of_dynamics(layout, quote!(CHANNELS))
+    of_dynamics(layout, "CHANNELS")
 }
 
-/// A constant of the dynamics.
-fn of_dynamics(layout: &Layout, constant: TokenStream) -> TokenStream {
+/// An item of the dynamics.
+fn of_dynamics(layout: &Layout, item: &str) -> TokenStream {
     let core = &layout.core;
     let span = layout.dynamics.span();
     let dynamics = dynamics(layout);
-    quote_spanned!(span=> <#dynamics as #core::Dynamics>::#constant)
+    let generics = matches!(item, "Signals" | "Point").then(|| quote_spanned!(span=> <T>));
+    let item = Ident::new(item, span);
+    quote_spanned!(span=> <#dynamics as #core::Dynamics>::#item #generics)
 }
 
-/// A call of a function of the field's block. Every path to the block has the same span, so that rustc says once
-/// what is wrong with it.
-fn forward(field: &Field, core: &TokenStream, function: &str, arguments: TokenStream) -> TokenStream {
+/// The demand that a field be a block of the declaration's dynamics. Every path to the block has the span of its
+/// type, so that rustc says once what is wrong with it.
+fn belongs(layout: &Layout, field: &Field) -> TokenStream {
+    let core = &layout.core;
     let Field { ty, .. } = field;
-    let span = ty.span();
-    let function = Ident::new(function, span);
-    let generics = (function != "states").then(|| quote_spanned!(span=> ::<T>));
-    let path = quote_spanned!(span=> <#ty as #core::Block>::#function #generics);
-    quote!(#path(#arguments);)
-}
-
-/// The conversion of the declaration's signals or point to those of the field, the identity.
-fn same(field: &Field, core: &TokenStream, function: &str) -> TokenStream {
-    let Field { ty, .. } = field;
-    let span = ty.span();
-    let function = Ident::new(function, span);
-    quote_spanned!(span=>
-        <<#ty as #core::Block>::Dynamics as #core::declare::Same<Self::Dynamics>>::#function::<T>
-    )
+    let ident = layout.declaration.ident;
+    quote_spanned! {ty.span()=>
+        const _: () = <
+            <#ty as #core::Block>::Dynamics as #core::declare::Same<<#ident as #core::Block>::Dynamics>
+        >::SAME;
+    }
 }

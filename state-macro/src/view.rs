@@ -17,9 +17,9 @@ pub(crate) fn expand(layout: &Layout) -> TokenStream {
 fn offsets(layout: &Layout) -> TokenStream {
     let Layout { declaration, offsets, .. } = layout;
     let Declaration { ident, vis, fields, .. } = declaration;
-    let docs = format!("First state of each field of [`{ident}`].");
+    let docs = format!(" First state of each field of [`{ident}`].");
     let fields = fields.iter().map(|Field { ident, ty, .. }| {
-        let docs = format!("First state of `{ident}`: `{}`.", shown(ty));
+        let docs = format!(" First state of `{ident}`: `{}`.", shown(ty));
         quote! {
             #[doc = #docs]
             #vis #ident: usize
@@ -44,7 +44,7 @@ fn offsets(layout: &Layout) -> TokenStream {
 fn view(layout: &Layout) -> TokenStream {
     let Layout { declaration, core, view, .. } = layout;
     let Declaration { ident, vis, fields, .. } = declaration;
-    let docs = format!("An estimate of [`{ident}`] by name.");
+    let docs = format!(" An estimate of [`{ident}`] by name.");
     let name = view.to_string();
     let base = declaration.base().map(|field| (field.ident, view_of(field, core)));
     let held = base.as_ref().map(|(_, base)| quote!(base: #base,));
@@ -69,7 +69,7 @@ fn view(layout: &Layout) -> TokenStream {
         let Field { ident: name, ty, docs, .. } = field;
         let view = view_of(field, core);
         let at = quote_spanned!(field.ty.span()=> <#view as #core::View<'a, T>>::at);
-        let default = format!("The states of `{name}`: `{}`.", shown(ty));
+        let default = format!(" The states of `{name}`: `{}`.", shown(ty));
         let docs = if docs.is_empty() { quote!(#[doc = #default]) } else { quote!(#(#docs)*) };
         quote! {
             #docs

@@ -50,6 +50,7 @@ pub(crate) fn signals(t: f64) -> Signals<f64> {
         temperature_rate: Vector3::new(0.01, 0.02, -0.01),
         gyro_temperature: Vector3::new(2.0 + 0.01 * t, 3.0 + 0.02 * t, 5.0 - 0.01 * t),
         dither: Vector3::new(3e-3, 4e-3, 5e-3),
+        coupled_dither: Vector3::new(3e-3, 4e-3, 5e-3),
         time: t,
     }
 }

@@ -52,6 +52,7 @@ impl Inputs for Signals<f64> {
             temperature_rate: random.vector(0.1),
             gyro_temperature: random.vector(30.0),
             dither: random.vector(0.05).abs(),
+            coupled_dither: random.vector(0.05).abs(),
             time: 1800.0 * (random.unit() + 1.0),
         }
     }
@@ -66,6 +67,7 @@ impl Inputs for Signals<f64> {
             temperature_rate: v,
             gyro_temperature: v,
             dither: v,
+            coupled_dither: v,
             time: f64::NAN,
         }
     }
@@ -80,6 +82,7 @@ impl Inputs for Signals<f64> {
             temperature_rate,
             gyro_temperature,
             dither,
+            coupled_dither,
             time,
         } = self;
         visit("time".to_owned(), time);
@@ -91,6 +94,7 @@ impl Inputs for Signals<f64> {
             ("temperature_rate", temperature_rate),
             ("gyro_temperature", gyro_temperature),
             ("dither", dither),
+            ("coupled_dither", coupled_dither),
         ];
         visit_vectors(vectors, visit);
     }

@@ -33,13 +33,13 @@ pub(crate) fn error(name: &str, s: &Signals<f64>, p: &[f64]) -> Vec<f64> {
         "accel-bias-drift" => (none, s.time * v(p)),
         // The specific force stays where it is in n: at t - tau the body was turned back by omega tau.
         "accel-delay" => (none, Rotation3::from_scaled_axis(w * p[0]) * f - f),
-        "inner-lever-arm" => (none, size_effect(s, [[p[0], 0.0, 0.0], [0.0, p[1], 0.0], [0.0, 0.0, p[2]]])),
+        "inner-lever-arm" => (none, size_effect(s, &s.coupled_dither, [[p[0], 0.0, 0.0], [0.0, p[1], 0.0], [0.0, 0.0, p[2]]])),
         "inner-lever-arm-tangential" => {
-            (none, size_effect(s, [[0.0, p[0], p[1]], [p[2], 0.0, p[3]], [p[4], p[5], 0.0]]))
+            (none, size_effect(s, &s.coupled_dither, [[0.0, p[0], p[1]], [p[2], 0.0, p[3]], [p[4], p[5], 0.0]]))
         }
         "dither-size-effect" => {
             let r = [[p[0], 0.0, 0.0], [0.0, p[1], 0.0], [0.0, 0.0, p[2]]];
-            (none, size_effect(s, r) - size_effect(&Signals { dither: none, ..*s }, r))
+            (none, size_effect(s, &s.dither, r) - size_effect(s, &none, r))
         }
         "outer-lever-arm" | "reference-delay" | "reference-misalignment" | "reference-tilt" => (none, none),
         _ => panic!("no model of {name}"),
@@ -48,10 +48,10 @@ pub(crate) fn error(name: &str, s: &Signals<f64>, p: &[f64]) -> Vec<f64> {
 }
 
 /// What accelerometers at `r` feel beyond the sensitive centre, as a mean over the phases of three dithers.
-fn size_effect(s: &Signals<f64>, r: [[f64; 3]; 3]) -> Vector3<f64> {
+fn size_effect(s: &Signals<f64>, dither: &Vector3<f64>, r: [[f64; 3]; 3]) -> Vector3<f64> {
     // Equally spaced phases average products of up to three sines and cosines exactly from four on.
     const PHASES: usize = 4;
-    let amplitude = s.dither.map(|mean_square| (2.0 * mean_square).sqrt());
+    let amplitude = dither.map(|mean_square| (2.0 * mean_square).sqrt());
     let frequency = Vector3::new(410.0, 450.0, 490.0);
     let mut mean = Vector3::zeros();
     for k in 0..PHASES.pow(3) {

@@ -231,8 +231,7 @@ fn dither_reaches_only_those_who_declare_it() {
         restricted
     };
     assert_eq!(restricted(set::INNER_LEVER_ARM.union(set::DITHER)), signals);
-    assert_eq!(restricted(set::DITHER_SIZE_EFFECT), signals);
-    assert_eq!(restricted(set::INNER_LEVER_ARM), Signals { dither: Vector3::zeros(), ..signals });
+    assert_eq!(restricted(set::INNER_LEVER_ARM), Signals { coupled_dither: Vector3::zeros(), ..signals });
 }
 
 #[test]

@@ -67,7 +67,7 @@ pub const fn filter(parts: &[Part], leading: &[Need], core: usize) -> Text {
     if !text.is_empty() {
         return text;
     }
-    if leading.len() == 0 {
+    if leading.is_empty() {
         return unnamed_core(parts, core);
     }
     let mut states = 0;

@@ -27,6 +27,9 @@ pub(crate) struct Arguments {
     /// Number of passes; each after the first linearises about the parameters found before
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     passes: u32,
+    /// Smooth the estimates over the whole log after the last pass
+    #[arg(long)]
+    smooth: bool,
     /// How the covariance is kept
     #[arg(long, value_enum, default_value_t = Form::Conventional)]
     form: Form,
@@ -88,7 +91,7 @@ impl Arguments {
         for warning in log.warnings() {
             output::remark(&format!("warning: {warning}"));
         }
-        let options = run::Options { passes: self.passes, form: self.form };
+        let options = run::Options { passes: self.passes, form: self.form, smooth: self.smooth };
         let outcome = run::run(&log, filter.name, options)?;
         if outcome.statistics.updates == 0 {
             let measures = filter.measures().collect::<Vec<_>>().join(" and ");

@@ -20,6 +20,7 @@ const BAR_SAMPLES: u64 = 4096;
 pub(super) struct Options {
     pub(super) passes: u32,
     pub(super) form: Form,
+    pub(super) smooth: bool,
 }
 
 /// What came of it.
@@ -40,6 +41,9 @@ pub(super) struct Outcome {
 
 /// Runs the filter called `filter` over the log.
 pub(super) fn run(log: &Log, filter: &str, options: Options) -> Result<Outcome> {
+    if options.smooth {
+        return Err(miette!("--smooth: the library has no smoother yet"));
+    }
     let initial = match log.description().initial {
         Some(initial) => initial,
         None => align(log)?,

@@ -19,7 +19,7 @@ pub(super) fn verdict(filter: &str, outcome: &Outcome) -> String {
     let judgement = if nis > FITS.1 {
         "does not fit: the residuals are larger than its model allows"
     } else if nis < FITS.0 {
-        "fits, but the noise given in the description is larger than that of the data"
+        "fits, with residuals smaller than the noise of the description"
     } else if nis.is_nan() {
         "says nothing"
     } else {

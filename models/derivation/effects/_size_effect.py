@@ -10,8 +10,8 @@ from sympy import Matrix, cos, integrate, pi, sin, symbols
 from ..frames import Signals
 
 
-def size_effect(displacements):
-    """Mean over the dither of the three extra readings; row i of `displacements` is r_i."""
+def size_effect(displacements, dither):
+    """Mean over the dither of the three extra readings; row i of `displacements` is r_i, `dither` stands for A^2/2."""
     A = symbols("A_x A_y A_z", positive=True)
     F = symbols("F_x F_y F_z", positive=True)
     phases = symbols("theta_x theta_y theta_z", real=True)
@@ -23,6 +23,6 @@ def size_effect(displacements):
         extra = (w.cross(w.cross(r)) + wd.cross(r))[i].expand()
         for phase in phases:
             extra = (integrate(extra, (phase, 0, 2 * pi)) / (2 * pi)).expand()
-        return extra.subs({a**2: 2 * a2 for a, a2 in zip(A, Signals.dither)}).expand()
+        return extra.subs({a**2: 2 * a2 for a, a2 in zip(A, dither)}).expand()
 
     return Matrix([reading(i) for i in range(3)])

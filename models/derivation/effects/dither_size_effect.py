@@ -14,7 +14,7 @@ from ._size_effect import size_effect
 def table():
     r = errors("r_x r_y r_z")
     still = {a2: 0 for a2 in Signals.dither}
-    felt = size_effect(diag(*r))
+    felt = size_effect(diag(*r), Signals.dither)
     reading = Signals.force + (felt - felt.subs(still)).expand()
     return sensor_table(
         FORCE,

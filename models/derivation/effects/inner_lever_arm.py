@@ -10,7 +10,7 @@ from ._size_effect import size_effect
 
 def table():
     r = errors("r_x r_y r_z")
-    reading = Signals.force + size_effect(diag(*r))
+    reading = Signals.force + size_effect(diag(*r), Signals.coupled_dither)
     return sensor_table(
         FORCE,
         reading,

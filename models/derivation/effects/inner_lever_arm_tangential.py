@@ -15,7 +15,8 @@ from ._size_effect import size_effect
 def table():
     r = errors("r_xy r_xz r_yx r_yz r_zx r_zy")
     r_xy, r_xz, r_yx, r_yz, r_zx, r_zy = r
-    reading = Signals.force + size_effect(Matrix([[0, r_xy, r_xz], [r_yx, 0, r_yz], [r_zx, r_zy, 0]]))
+    displacements = Matrix([[0, r_xy, r_xz], [r_yx, 0, r_yz], [r_zx, r_zy, 0]])
+    reading = Signals.force + size_effect(displacements, Signals.coupled_dither)
     return sensor_table(
         FORCE,
         reading,

@@ -1,0 +1,88 @@
+//! Random numbers: one independent stream per purpose.
+//!
+//! ChaCha8 is keyed with the seed, and its 64-bit stream number is the FNV-1a hash of what the numbers are for, for
+//! instance `noise/gyro-walk`. Turning one thing off therefore leaves every other number as it was, and a
+//! unit's errors do not depend on how long its log is.
+
+use chacha20::ChaCha8Rng;
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
+
+/// Random numbers for one purpose.
+#[derive(Clone, Debug)]
+pub struct Stream(ChaCha8Rng);
+
+impl Stream {
+    /// The stream of `seed` for `purpose`.
+    pub fn new(seed: u64, purpose: &str) -> Self {
+        let mut key = [0; 32];
+        key[..8].copy_from_slice(&seed.to_le_bytes());
+        key[8..15].copy_from_slice(b"sinscal");
+        let mut generator = ChaCha8Rng::from_seed(key);
+        generator.set_stream(fnv1a(purpose.as_bytes()));
+        Self(generator)
+    }
+
+    /// A number of the standard normal distribution.
+    pub fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.0)
+    }
+
+    /// Three numbers of the standard normal distribution.
+    pub fn normals(&mut self) -> Vector3<f64> {
+        let x = self.normal();
+        let y = self.normal();
+        Vector3::new(x, y, self.normal())
+    }
+
+    /// A number between 0 and 1.
+    pub fn uniform(&mut self) -> f64 {
+        StandardUniform.sample(&mut self.0)
+    }
+}
+
+/// The 64-bit hash of Fowler, Noll and Vo (draft-eastlake-fnv).
+fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hash_of_the_published_test_vectors() {
+        assert_eq!(fnv1a(b""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(fnv1a(b"a"), 0xaf63_dc4c_8601_ec8c);
+        assert_eq!(fnv1a(b"foobar"), 0x8594_4171_f739_67e8);
+    }
+
+    #[test]
+    fn streams_repeat_and_differ() {
+        let numbers = |seed, purpose| {
+            let mut stream = Stream::new(seed, purpose);
+            [stream.normal(), stream.uniform(), stream.normal()]
+        };
+        assert_eq!(numbers(7, "a"), numbers(7, "a"));
+        assert_ne!(numbers(7, "a"), numbers(7, "b"));
+        assert_ne!(numbers(7, "a"), numbers(8, "a"));
+    }
+
+    #[test]
+    fn normal_numbers_have_the_moments_of_the_distribution() {
+        let mut stream = Stream::new(1, "moments");
+        let n = 200_000;
+        let (mut mean, mut square, mut fourth) = (0.0, 0.0, 0.0);
+        for _ in 0..n {
+            let x = stream.normal();
+            mean += x;
+            square += x * x;
+            fourth += x.powi(4);
+        }
+        let n = f64::from(n);
+        assert!((mean / n).abs() < 4.0 / n.sqrt());
+        assert!((square / n - 1.0).abs() < 4.0 * (2.0 / n).sqrt());
+        assert!((fourth / n - 3.0).abs() < 4.0 * (96.0 / n).sqrt());
+    }
+}
