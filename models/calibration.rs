@@ -164,8 +164,14 @@ impl Step {
 }
 
 impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
-    /// A run that has seen nothing yet.
+    /// A run that has seen nothing yet, with the priors of the setup and, where it names none, of the blocks.
     pub fn new(setup: &Setup) -> Self {
+        Self::with_prior(setup, |_, _, sigma| sigma)
+    }
+
+    /// A run whose prior standard deviations go through `adjust(state, info, sigma)`; a parameter with zero takes no
+    /// part.
+    pub fn with_prior(setup: &Setup, mut adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
         let mut prior = Kalman::<F, f64, C>::prior();
         let mut lever_at = None;
         let mut i = 0;
@@ -176,6 +182,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             if info.block == "outer-lever-arm" && lever_at.is_none() {
                 lever_at = Some(i);
             }
+            prior[i] = adjust(i, &info, prior[i]);
             i += 1;
         });
         let initial = &setup.initial;
@@ -231,8 +238,13 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
 
     /// Begins another pass over the same log, linearised about the parameters found so far; the prior stays what it was.
     pub fn begin_pass(&mut self) {
+        self.begin_pass_about(&self.estimate());
+    }
+
+    /// Begins another pass over the same log, linearised about given `parameters`; the prior stays what it was.
+    pub fn begin_pass_about(&mut self, parameters: &Vector<F, f64>) {
         for i in F::Shape::CORE..F::Shape::STATES {
-            self.parameters[i] += self.kalman.x()[i];
+            self.parameters[i] = parameters[i];
         }
         self.kalman = Kalman::new(&self.prior);
         for i in F::Shape::CORE..F::Shape::STATES {

@@ -47,6 +47,16 @@ impl<F: Filter, T: Real> Residuals<F, T> {
         &self.z
     }
 
+    /// Variances of the measurements, row by row; one where nothing is measured.
+    pub fn variances(&self) -> &Measurement<F, T> {
+        &self.r
+    }
+
+    /// Whether `row` is measured.
+    pub fn is_present(&self, row: usize) -> bool {
+        self.present[row] != T::zero()
+    }
+
     /// Takes one row out again.
     fn drop_row(&mut self, row: usize) {
         self.z[row] = T::zero();

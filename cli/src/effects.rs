@@ -13,7 +13,8 @@ pub(crate) struct Arguments {}
 
 impl Arguments {
     pub(crate) fn run(self) -> miette::Result<()> {
-        let mut text = format!("{:27} {:>2}  {:14} {:18} equation\n", "effect", "n", "unit (SI)", "prior sigma");
+        let mut text =
+            format!("{:27} {:>2}  {:14} {:18} equation\n", "effect", "n", "unit (SI)", "prior sigma");
         for effect in &EFFECTS {
             describe(effect, &mut text);
         }

@@ -58,8 +58,10 @@ pub(crate) struct Files {
 impl Files {
     /// Makes a folder and those above it, where missing.
     pub(crate) fn folder(&mut self, path: &Path) -> Result<()> {
-        let missing: Vec<&Path> =
-            path.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists()).collect();
+        let missing: Vec<&Path> = path
+            .ancestors()
+            .take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists())
+            .collect();
         for folder in missing.into_iter().rev() {
             fs::create_dir(folder).map_err(|error| failed(folder, &error))?;
             self.made.push(folder.to_owned());
@@ -68,7 +70,11 @@ impl Files {
     }
 
     /// Writes a file beside its final place.
-    pub(crate) fn write(&mut self, path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+    pub(crate) fn write(
+        &mut self,
+        path: &Path,
+        fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<()> {
         // A device or a pipe is no file to be replaced.
         if path.exists() && !path.is_file() {
             let mut stream = File::options().write(true).open(path).map_err(|error| failed(path, &error))?;

@@ -3,10 +3,16 @@
 /// The candidate closest to `name`, if one is close enough to be what was meant.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wanted = simplified(name);
-    let allowed = (wanted.chars().count() / 2).max(1);
+    let length = wanted.chars().count();
+    let allowed = (length / 2).max(1);
+    let far = |candidate: &str| {
+        let candidate = simplified(candidate);
+        // A beginning of a name is a short form of it, however much is left out.
+        if length >= 3 && candidate.starts_with(&wanted) { 1 } else { distance(&wanted, &candidate) }
+    };
     candidates
         .into_iter()
-        .map(|candidate| (distance(&wanted, &simplified(candidate)), candidate))
+        .map(|candidate| (far(candidate), candidate))
         .filter(|(distance, _)| *distance <= allowed)
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate)
@@ -22,7 +28,10 @@ pub(crate) fn hint<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>
 
 /// Lower case, one spelling of the separators, at most as long as any name of the program could be.
 fn simplified(name: &str) -> String {
-    name.chars().take(64).map(|c| if matches!(c, '-' | ' ' | '.') { '_' } else { c.to_ascii_lowercase() }).collect()
+    name.chars()
+        .take(64)
+        .map(|c| if matches!(c, '-' | ' ' | '.') { '_' } else { c.to_ascii_lowercase() })
+        .collect()
 }
 
 /// Levenshtein distance: insertions, deletions and replacements from one to the other.
@@ -58,6 +67,7 @@ mod tests {
         assert_eq!(nearest("gyro_bias", names), Some("gyro-bias"));
         assert_eq!(nearest("Gyro-Scal", names), Some("gyro-scale"));
         assert_eq!(nearest("acel-bias", names), Some("accel-bias"));
+        assert_eq!(nearest("accel", names), Some("accel-bias"));
         assert_eq!(nearest("zzz", names), None);
         assert_eq!(hint("zzz", ["a_long_name"]), "valid names: a_long_name");
     }

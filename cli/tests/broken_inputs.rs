@@ -38,58 +38,109 @@ fn descriptions() -> Vec<Case> {
         (Toml("rate_hz = 50.0", "rate_hz = -50.0"), &["line 3, field `imu.rate_hz`: is -50"]),
         (Toml("rate_hz = 50.0", "rate_hz = \"50\""), &["field `imu.rate_hz`: is a string"]),
         (Toml("rate_hz = 50.0", "rate_hz = nan"), &["field `imu.rate_hz`: is NaN"]),
-        (Toml("rate_hz = 50.0", "rate_hz = 100.0"), &["column `time_s`", "(50.000 Hz)", "100.000 Hz", "imu.rate_hz"]),
+        (
+            Toml("rate_hz = 50.0", "rate_hz = 100.0"),
+            &["column `time_s`", "(50.000 Hz)", "100.000 Hz", "imu.rate_hz"],
+        ),
         (Toml("rate_hz = 50.0", ""), &["field `imu.rate_hz`: is missing", "sampling rate"]),
         (Toml("rate_hz = 50.0", "rate = 50.0"), &["`imu.rate`: is not a name", "did you mean `rate_hz`?"]),
         (Toml("rate_hz = 50.0", "rate_hz = 5O.0"), &["log.toml, line 3: is not valid TOML"]),
         (Toml("[imu]\nrate_hz = 50.0", ""), &["log.toml, field `imu.rate_hz`: is missing"]),
-        (Toml("[imu]", "[[imu]]"), &["field `imu`: is a array, a table was expected"]),
-        (Toml("latitude_deg = 32.06", "latitude_deg = 91.0"), &["line 5, field `site.latitude_deg`", "from -90 to 90"]),
+        (Toml("[imu]", "[[imu]]"), &["field `imu`: is an array, a table was expected"]),
+        (
+            Toml("latitude_deg = 32.06", "latitude_deg = 91.0"),
+            &["line 5, field `site.latitude_deg`", "from -90 to 90"],
+        ),
         (Toml("longitude_deg = 118.8", "longitude_deg = inf"), &["line 6, field `site.longitude_deg`"]),
         (Toml("height_m = 20.0\n", ""), &["field `site.height_m`: is missing"]),
         (Toml("height_m = 20.0", "height_m = 6378137.0"), &["field `site.height_m`", "from -1000 to 20000"]),
-        (Toml("[site]", "[sites]"), &["`[sites]`: is not a name", "did you mean `site`?", "`site`: is missing"]),
-        (Toml("[1.0, 0.0, 0.0, 0.0]", "[1.0, 0.1, 0.0, 0.0]"), &["`initial.quaternion_wxyz`: has norm 1.00498"]),
+        (
+            Toml("[site]", "[sites]"),
+            &["`[sites]`: is not a name", "did you mean `site`?", "`site`: is missing"],
+        ),
+        (
+            Toml("[1.0, 0.0, 0.0, 0.0]", "[1.0, 0.1, 0.0, 0.0]"),
+            &["`initial.quaternion_wxyz`: has norm 1.00498"],
+        ),
         (Toml("[1.0, 0.0, 0.0, 0.0]", "[0.0, 0.0, 0.0, 0.0]"), &["has norm 0.000000", "w, x, y, z"]),
         (Toml("[1.0, 0.0, 0.0, 0.0]", "[1.0, 0.0, 0.0]"), &["has 3 entries, 4 numbers were expected"]),
         (Toml("[1.0, 0.0, 0.0, 0.0]", "[nan, 0.0, 0.0, 0.0]"), &["`initial.quaternion_wxyz`: is NaN"]),
         (Toml("level_sigma_deg = 0.05", "level_sigma_deg = 0"), &["`initial.level_sigma_deg`: is 0"]),
-        (Toml("velocity_sigma_m_s = 0.001", "velocity_sigma_m_s = 0.0"), &["line 13", "velocity_sigma_m_s`: is 0"]),
-        (Toml("position_sigma_m = 0.002", "position_sigma_m = -0.002"), &["`reference.position_sigma_m`: is -0.002"]),
-        (Toml("attitude_sigma_deg = 0.01", "attitude_sigma_deg = true"), &["attitude_sigma_deg`: is a boolean"]),
-        (Toml("gyro_arw_deg_sqrt_h = 0.001", "gyro_arw_deg_sqrt_h = -1"), &["`noise.gyro_arw_deg_sqrt_h`: is -1"]),
+        (
+            Toml("velocity_sigma_m_s = 0.001", "velocity_sigma_m_s = 0.0"),
+            &["line 13", "velocity_sigma_m_s`: is 0"],
+        ),
+        (
+            Toml("position_sigma_m = 0.002", "position_sigma_m = -0.002"),
+            &["`reference.position_sigma_m`: is -0.002"],
+        ),
+        (
+            Toml("attitude_sigma_deg = 0.01", "attitude_sigma_deg = true"),
+            &["attitude_sigma_deg`: is a boolean"],
+        ),
+        (
+            Toml("gyro_arw_deg_sqrt_h = 0.001", "gyro_arw_deg_sqrt_h = -1"),
+            &["`noise.gyro_arw_deg_sqrt_h`: is -1"],
+        ),
         (Toml("accel_vrw_ug_sqrt_hz", "accel_vrw"), &["did you mean `accel_vrw_ug_sqrt_hz`?"]),
-        (Toml("reference_c = 25.0", "reference_c = 298.15"), &["`temperature.reference_c`", "from -80 to 150"]),
-        (Toml("xyz_m = [0.0, 0.0, 0.0]", "xyz_m = 0.0"), &["`outer_lever.xyz_m`: is a float, a list of 3 numbers"]),
+        (
+            Toml("reference_c = 25.0", "reference_c = 298.15"),
+            &["`temperature.reference_c`", "from -80 to 150"],
+        ),
+        (
+            Toml("xyz_m = [0.0, 0.0, 0.0]", "xyz_m = 0.0"),
+            &["`outer_lever.xyz_m`: is a float, a list of 3 numbers"],
+        ),
         (Toml("accel-bias", "accel-bais"), &["line 24", "is not an effect", "did you mean `accel-bias`?"]),
-        (Toml("\"ug\"", "\"mm\""), &["`prior.accel-bias.unit`: `mm` is not a unit", "accepted: m/s^2, g, mg, ug"]),
+        (
+            Toml("\"ug\"", "\"mm\""),
+            &["`prior.accel-bias.unit`: `mm` is not a unit", "accepted: m/s^2, g, mg, ug"],
+        ),
         (Toml("sigma = 300.0", "sigma = 0.0"), &["`prior.accel-bias.sigma`: is 0"]),
         (Toml("sigma = 300.0, ", ""), &["`prior.accel-bias.sigma`: is missing"]),
         (Toml("{ sigma = 300.0, unit = \"ug\" }", "300.0"), &["must give a sigma and its unit"]),
         (Toml("rate_hz = 50.0", "rate_hz = 50.0\nrate_hz = 50.0"), &["line 4: is not valid TOML"]),
-        (Toml("rate_hz = 50.0", "rate_hz = 50.0\ngyro_rad_per_pulse = [0, 1, 1]"), &["`imu.gyro_rad_per_pulse`: is 0"]),
+        (
+            Toml("rate_hz = 50.0", "rate_hz = 50.0\ngyro_rad_per_pulse = [0, 1, 1]"),
+            &["`imu.gyro_rad_per_pulse`: is 0"],
+        ),
     ]
 }
 
 fn rows() -> Vec<Case> {
     vec![
-        (Rows(|t| t.set("dtheta_x", 17, NAN)), &["row 17, column `dtheta_x`: is NaN, an angle increment in rad"]),
+        (
+            Rows(|t| t.set("dtheta_x", 17, NAN)),
+            &["row 17, column `dtheta_x`: is NaN, an angle increment in rad"],
+        ),
         (Rows(|t| t.set("dvel_z", 3, f64::INFINITY)), &["row 3, column `dvel_z`: is inf"]),
         (Rows(|t| t.set("time_s", 9, NAN)), &["row 9, column `time_s`: is NaN"]),
         (Rows(|t| t.set("time_s", 10, 9.0 / RATE)), &["row 10, column `time_s`: 0.18 s repeats"]),
         (Rows(|t| t.set("time_s", 10, 0.1)), &["row 10, column `time_s`: 0.1 s follows 0.18 s"]),
         (Rows(|t| t.drop_rows(101..=110)), &["row 101, column `time_s`: gap of 0.22", "--bridge-gaps"]),
         (Rows(|t| t.map("time_s", |_, time| time * 1000.0)), &["column `time_s`", "0.050 Hz", "50.000 Hz"]),
-        (Rows(|t| t.map("time_s", |row, _| row as f64 / 60.0)), &["column `time_s`", "60.000 Hz", "imu.rate_hz"]),
-        (Rows(|t| t.set("dtheta_z", 40, 0.2)), &["row 40, column `dtheta_z`", "10.0 rad/s", "degrees taken for radians?"]),
+        (
+            Rows(|t| t.map("time_s", |row, _| row as f64 / 60.0)),
+            &["column `time_s`", "60.000 Hz", "imu.rate_hz"],
+        ),
+        (
+            Rows(|t| t.set("dtheta_z", 40, 0.2)),
+            &["row 40, column `dtheta_z`", "10.0 rad/s", "degrees taken for radians?"],
+        ),
         (Rows(|t| t.set("dvel_y", 40, 30.0)), &["row 40, column `dvel_y`", "1500.0 m/s^2", "increments"]),
         (Rows(|t| t.map("dvel_*", |_, v| v / 9.80665)), &["`dvel_x`", "0.999 m/s^2 on average", "not in g"]),
         (Rows(|t| t.map("dvel_*", |_, v| v * RATE)), &["489.730 m/s^2 on average", "not forces"]),
         (Rows(|t| t.set("temp_y", 5, 298.15)), &["row 5, column `temp_y`: is 298.15, a temperature in degC"]),
-        (Rows(|t| t.set("temp_gyro_z", 5, -90.0)), &["row 5, column `temp_gyro_z`: is -90", "from -80 to 150"]),
+        (
+            Rows(|t| t.set("temp_gyro_z", 5, -90.0)),
+            &["row 5, column `temp_gyro_z`: is -90", "from -80 to 150"],
+        ),
         (Rows(|t| t.set("dither_x", 6, -0.1)), &["row 6, column `dither_x`: is -0.1, an amplitude in rad/s"]),
         (Rows(|t| t.set("dither_x", 6, f64::INFINITY)), &["row 6, column `dither_x`: is inf"]),
-        (Rows(|t| t.set("ref_vel_n", 7, NAN)), &["row 7, column `ref_vel_n`: is NaN", "all components in a row"]),
+        (
+            Rows(|t| t.set("ref_vel_n", 7, NAN)),
+            &["row 7, column `ref_vel_n`: is NaN", "all components in a row"],
+        ),
         (Rows(|t| t.set("ref_pos_u", 7, f64::NEG_INFINITY)), &["row 7, column `ref_pos_u`: is -inf"]),
         (Rows(|t| t.set("ref_quat_x", 8, NAN)), &["row 8, column `ref_quat_x`: is NaN"]),
         (Rows(|t| t.set("ref_quat_w", 8, 0.9)), &["row 8, column `ref_quat_w`", "has norm 0.900000"]),
@@ -99,11 +150,22 @@ fn rows() -> Vec<Case> {
         (Rows(|t| t.drop("ref_vel_n")), &["column `ref_vel_n`: is missing beside `ref_vel_e`, `ref_vel_u`"]),
         (Rows(|t| t.drop("ref_quat_w")), &["column `ref_quat_w`: is missing", "all"]),
         (Rows(|t| t.drop("temp_z")), &["column `temp_z`: is missing"]),
-        (Rows(|t| t.rename("dither_x", "diter_x")), &["column `diter_x`: is not a column", "did you mean `dither_x`?"]),
+        (
+            Rows(|t| t.rename("dither_x", "diter_x")),
+            &["column `diter_x`: is not a column", "did you mean `dither_x`?"],
+        ),
         (Rows(|t| t.rename("temp_x", "temp_y")), &["column `temp_y`: stands there twice"]),
         (
-            Rows(|t| ["x", "y", "z"].iter().for_each(|a| t.rename(&format!("dtheta_{a}"), &format!("gyro_pulse_{a}")))),
-            &["column `gyro_pulse_x`: holds pulse counts", "log.toml lacks imu.gyro_rad_per_pulse", "coarse stage"],
+            Rows(|t| {
+                ["x", "y", "z"]
+                    .iter()
+                    .for_each(|a| t.rename(&format!("dtheta_{a}"), &format!("gyro_pulse_{a}")))
+            }),
+            &[
+                "column `gyro_pulse_x`: holds pulse counts",
+                "log.toml lacks imu.gyro_rad_per_pulse",
+                "coarse stage",
+            ],
         ),
         (Rows(|t| t.drop_rows(1..=400)), &["has no rows"]),
     ]
@@ -112,9 +174,18 @@ fn rows() -> Vec<Case> {
 fn files() -> Vec<Case> {
     vec![
         (Csv(|_| Vec::new()), &["log.csv: is empty", "a header line"]),
-        (Csv(|text| text.replace("0.07", "O.07").into()), &["row 1, column `dither_x`: `O.07` is not a number"]),
-        (Csv(|text| text.replacen(",0.07,", ",,", 1).replacen("0.02,0,", "0.02,,", 1).into()), &["column `dtheta_x`: is empty"]),
-        (Csv(|text| text[..text.len() - 40].into()), &["row 400: has", "fields, the header has 26", "cut off"]),
+        (
+            Csv(|text| text.replace("0.07", "O.07").into()),
+            &["row 1, column `dither_x`: `O.07` is not a number"],
+        ),
+        (
+            Csv(|text| text.replacen(",0.07,", ",,", 1).replacen("0.02,0,", "0.02,,", 1).into()),
+            &["column `dtheta_x`: is empty"],
+        ),
+        (
+            Csv(|text| text[..text.len() - 40].into()),
+            &["row 400: has", "fields, the header has 26", "cut off"],
+        ),
         (Csv(|text| text.replace(',', ";").into()), &["line 1: fields must be separated by commas"]),
         (Csv(|text| text.split_once('\n').map_or("", |(_, rows)| rows).into()), &["line 1 holds numbers"]),
         (Csv(|_| vec![0xff; 300]), &["log.csv: is not text"]),
@@ -123,19 +194,47 @@ fn files() -> Vec<Case> {
         (Csv(|_| b"PAR1....PAR1".into()), &["is a Parquet file, its ending says CSV"]),
         (Bytes(|_| Vec::new()), &["log.parquet: is empty (0 bytes)"]),
         (Bytes(|_| b"time_s,dtheta_x\n0.1,0.2\n".into()), &["is not a Parquet file", "must be called .csv"]),
-        (Bytes(|bytes| bytes[..bytes.len() / 2].into()), &["log.parquet: is cut off", "write the file again"]),
+        (
+            Bytes(|bytes| bytes[..bytes.len() / 2].into()),
+            &["log.parquet: is cut off", "write the file again"],
+        ),
         (Bytes(|_| b"PAR1PAR1".into()), &["log.parquet: is cut off"]),
         (Bytes(|_| b"PAR1\0\0\0\0\0\0\0\0PAR1".into()), &["log.parquet: is damaged"]),
-        (Bytes(|mut b| { let n = b.len(); b[4..n / 3].fill(0x5a); b }), &["log.parquet: is damaged", "rows after 0"]),
-        (Text("dtheta_x"), &["log.parquet, column `dtheta_x`: holds text, numbers were expected"]),
-        (Files(|dir| fs::remove_file(dir.join("log.toml"))), &["log.toml: the description of the log is not there"]),
-        (Files(|dir| fs::remove_file(dir.join("log.csv"))), &["there is neither", "log.parquet nor", "log.csv"]),
-        (Files(|dir| fs::copy(dir.join("log.csv"), dir.join("log.parquet")).map(drop)), &["both", "with its ending"]),
-        (Files(|dir| fs::write(dir.join("log.toml"), [0x5b, 0xff])), &["log.toml: line 1 is not UTF-8"]),
-        (Files(|dir| fs::write(dir.join("log.toml"), vec![b'#'; 2 << 20])), &["log.toml: is larger than 1 MiB"]),
-        (Files(|dir| fs::write(dir.join("log.toml"), "")), &["`imu.rate_hz`: is missing", "`site`: is missing"]),
         (
-            Files(|dir| { fs::remove_file(dir.join("log.csv"))?; fs::create_dir(dir.join("log.csv")) }),
+            Bytes(|mut b| {
+                let n = b.len();
+                b[4..n / 3].fill(0x5a);
+                b
+            }),
+            &["log.parquet: is damaged", "rows after 0"],
+        ),
+        (Text("dtheta_x"), &["log.parquet, column `dtheta_x`: holds text, numbers were expected"]),
+        (
+            Files(|dir| fs::remove_file(dir.join("log.toml"))),
+            &["log.toml: the description of the log is not there"],
+        ),
+        (
+            Files(|dir| fs::remove_file(dir.join("log.csv"))),
+            &["there is neither", "log.parquet nor", "log.csv"],
+        ),
+        (
+            Files(|dir| fs::copy(dir.join("log.csv"), dir.join("log.parquet")).map(drop)),
+            &["both", "with its ending"],
+        ),
+        (Files(|dir| fs::write(dir.join("log.toml"), [0x5b, 0xff])), &["log.toml: line 1 is not UTF-8"]),
+        (
+            Files(|dir| fs::write(dir.join("log.toml"), vec![b'#'; 2 << 20])),
+            &["log.toml: is larger than 1 MiB"],
+        ),
+        (
+            Files(|dir| fs::write(dir.join("log.toml"), "")),
+            &["`imu.rate_hz`: is missing", "`site`: is missing"],
+        ),
+        (
+            Files(|dir| {
+                fs::remove_file(dir.join("log.csv"))?;
+                fs::create_dir(dir.join("log.csv"))
+            }),
             &["log.csv: is not a regular file"],
         ),
     ]
@@ -164,7 +263,9 @@ fn complaint(folder: &Path, expected: &[&str]) -> Result<Option<String>, Box<dyn
     if output.status.code() != Some(1) {
         wrong.push(format!("exit code {:?}", output.status.code()));
     }
-    wrong.extend(expected.iter().filter(|part| !message.contains(**part)).map(|part| format!("{part:?} is not said")));
+    wrong.extend(
+        expected.iter().filter(|part| !message.contains(**part)).map(|part| format!("{part:?} is not said")),
+    );
     if message.contains("panicked") || message.contains("RUST_BACKTRACE") {
         wrong.push("it panicked".into());
     }
@@ -203,7 +304,9 @@ fn check(cases: Vec<Case>) -> Done {
                 run(&|folder| table.write_csv(&folder.join("log.csv")), expected)?;
                 run(&|folder| table.write_parquet(&folder.join("log.parquet"), None), expected)?;
             }
-            Csv(spoil) => run(&|folder| Ok(fs::write(folder.join("log.csv"), spoil(sound.csv()))?), expected)?,
+            Csv(spoil) => {
+                run(&|folder| Ok(fs::write(folder.join("log.csv"), spoil(sound.csv()))?), expected)?
+            }
             Bytes(spoil) => run(
                 &|folder| {
                     let path = folder.join("log.parquet");

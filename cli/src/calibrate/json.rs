@@ -51,7 +51,13 @@ struct Final {
 }
 
 impl Report {
-    pub(super) fn new(log: &Log, filter: &FilterInfo, options: Options, outcome: &Outcome, wall: Duration) -> Self {
+    pub(super) fn new(
+        log: &Log,
+        filter: &FilterInfo,
+        options: Options,
+        outcome: &Outcome,
+        wall: Duration,
+    ) -> Self {
         let parameters = outcome.parameters.iter().enumerate().map(|(index, parameter)| {
             let known = |value: f64| parameter.estimated.then_some(value);
             ParameterReport {

@@ -25,7 +25,10 @@ pub(super) fn verdict(filter: &str, outcome: &Outcome) -> String {
     } else {
         "fits"
     };
-    let mut text = format!("{filter} {judgement}: NIS per degree of freedom {nis:.2} over {} updates", statistics.updates);
+    let mut text = format!(
+        "{filter} {judgement}: NIS per degree of freedom {nis:.2} over {} updates",
+        statistics.updates
+    );
     if statistics.rejected > 0 {
         let _ = write!(text, ", {} outliers rejected", statistics.rejected);
     }
@@ -90,7 +93,11 @@ fn figures(parameter: &Parameter) -> [String; 2] {
 
 /// Decimals that show two figures of a number.
 fn decimals(number: f64) -> usize {
-    if number > 0.0 && number.is_finite() { (1.0 - number.log10().floor()).clamp(0.0, 12.0) as usize } else { 2 }
+    if number > 0.0 && number.is_finite() {
+        (1.0 - number.log10().floor()).clamp(0.0, 12.0) as usize
+    } else {
+        2
+    }
 }
 
 /// A number to about three figures.
@@ -108,7 +115,11 @@ pub(super) fn history(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> 
     write!(out, "time_s")?;
     for parameter in &outcome.parameters {
         let info = &parameter.info;
-        let name = if info.component.is_empty() { info.block.to_owned() } else { format!("{}.{}", info.block, info.component) };
+        let name = if info.component.is_empty() {
+            info.block.to_owned()
+        } else {
+            format!("{}.{}", info.block, info.component)
+        };
         write!(out, ",{name},{name}.sigma")?;
     }
     writeln!(out)?;

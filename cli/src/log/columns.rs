@@ -102,7 +102,8 @@ impl Layout {
                 None => {
                     let shown: String = name.chars().take(64).collect();
                     let hint = suggest::hint(name, NAMES);
-                    faults.push(LogError::column(path, &shown, "is not a column of the log format").help(hint));
+                    faults
+                        .push(LogError::column(path, &shown, "is not a column of the log format").help(hint));
                 }
                 Some(slot) => match positions[slot] {
                     None => positions[slot] = Some(index),
@@ -118,12 +119,16 @@ impl Layout {
             let (first, alternative) = (increments.names()[0], pulses.names()[0]);
             match (layout.any(increments), layout.any(pulses)) {
                 (true, true) => {
-                    let problem = format!("stands beside `{alternative}`: increments or pulse counts, not both");
+                    let problem =
+                        format!("stands beside `{alternative}`: increments or pulse counts, not both");
                     faults.push(LogError::column(path, first, problem));
                 }
                 (false, false) => {
                     let missing = increments.names().join(", ");
-                    let help = format!("expected {missing} (or {} with the scales in [imu])", pulses.names().join(", "));
+                    let help = format!(
+                        "expected {missing} (or {} with the scales in [imu])",
+                        pulses.names().join(", ")
+                    );
                     faults.push(LogError::column(path, first, "is missing").help(help));
                 }
                 _ => {}

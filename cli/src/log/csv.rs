@@ -25,9 +25,11 @@ impl CsvSource {
     /// Opens a file and reads its header.
     pub(super) fn open(path: &Path) -> Result<(Self, Layout), LogError> {
         let file = File::open(path).map_err(|error| super::unreadable(path, &error))?;
-        let mut lines = Lines { reader: BufReader::with_capacity(1 << 16, file), line: Vec::new(), position: 0 };
+        let mut lines =
+            Lines { reader: BufReader::with_capacity(1 << 16, file), line: Vec::new(), position: 0 };
         if !lines.advance().map_err(|problem| LogError::file(path, problem))? {
-            return Err(LogError::file(path, "is empty").help("a header line and one line per IMU sample were expected"));
+            return Err(LogError::file(path, "is empty")
+                .help("a header line and one line per IMU sample were expected"));
         }
         if lines.line.starts_with(b"PAR1") {
             return Err(LogError::file(path, "is a Parquet file, its ending says CSV"));
@@ -59,7 +61,8 @@ impl CsvSource {
         let fields = text.split(',').count();
         if fields != self.slots.len() {
             let problem = format!("has {fields} fields, the header has {}", self.slots.len());
-            return Err(LogError::row(&self.path, self.row, None, problem).help("the file may be cut off in this row"));
+            return Err(LogError::row(&self.path, self.row, None, problem)
+                .help("the file may be cut off in this row"));
         }
         for (field, &slot) in text.split(',').zip(&self.slots) {
             let field = unquoted(field);
@@ -88,7 +91,10 @@ impl Source for CsvSource {
     fn read(&mut self, batch: &mut Batch) -> Result<(), LogError> {
         batch.clear();
         while batch.rows < ROWS {
-            let more = self.lines.advance().map_err(|problem| LogError::row(&self.path, self.row + 1, None, problem))?;
+            let more = self
+                .lines
+                .advance()
+                .map_err(|problem| LogError::row(&self.path, self.row + 1, None, problem))?;
             if !more {
                 break;
             }
@@ -132,7 +138,8 @@ impl Lines {
             if read as u64 == LONGEST_LINE && self.line.last() != Some(&b'\n') {
                 return Err("no line end within 64 KiB: this is not a CSV table".into());
             }
-            let content = self.line.iter().rposition(|byte| !byte.is_ascii_whitespace()).map_or(0, |last| last + 1);
+            let content =
+                self.line.iter().rposition(|byte| !byte.is_ascii_whitespace()).map_or(0, |last| last + 1);
             self.line.truncate(content);
             if content > 0 {
                 return Ok(true);

@@ -24,7 +24,7 @@ use sinscal::{InitialAttitude, ReferenceSigma, SensorNoise, Site};
 use toml::de::{DeTable, DeValue};
 
 use super::fault::LogError;
-use super::fields::{Document, Must, Section};
+use super::fields::{self, Document, Must, Section};
 use super::units::{self, sheet};
 use crate::suggest;
 
@@ -78,7 +78,12 @@ impl Description {
             return Err(LogError::file(path, "is larger than 1 MiB: this is not the description of a log"));
         }
         let text = String::from_utf8(bytes).map_err(|error| {
-            let line = 1 + error.as_bytes().iter().take(error.utf8_error().valid_up_to()).filter(|b| **b == b'\n').count();
+            let line = 1 + error
+                .as_bytes()
+                .iter()
+                .take(error.utf8_error().valid_up_to())
+                .filter(|b| **b == b'\n')
+                .count();
             LogError::file(path, format!("line {line} is not UTF-8 text: this is not a TOML description"))
         })?;
         Self::parse(path, text.into())
@@ -99,10 +104,16 @@ impl Description {
 
         let imu = doc.section(root, "imu", Some(IMU));
         let rate = match imu {
-            Some(imu) => doc.required(imu, "rate_hz", Must::BePositiveUpTo(1e5), "the sampling rate of the table, Hz"),
+            Some(imu) => {
+                doc.required(imu, "rate_hz", Must::BePositiveUpTo(1e5), "the sampling rate of the table, Hz")
+            }
             None => {
                 if !root.contains_key("imu") {
-                    doc.lack(None, "imu.rate_hz", "give the sampling rate of the table: [imu] rate_hz = 50.0");
+                    doc.lack(
+                        None,
+                        "imu.rate_hz",
+                        "give the sampling rate of the table: [imu] rate_hz = 50.0",
+                    );
                 }
                 None
             }
@@ -143,7 +154,11 @@ impl Description {
         let outer_lever = match doc.section(root, "outer_lever", Some(&["xyz_m"])) {
             Some(section) => {
                 if !section.table().contains_key("xyz_m") {
-                    doc.lack(Some(section), "outer_lever.xyz_m", "xyz_m = [0.0, 0.0, 0.0] when nothing is known");
+                    doc.lack(
+                        Some(section),
+                        "outer_lever.xyz_m",
+                        "xyz_m = [0.0, 0.0, 0.0] when nothing is known",
+                    );
                 }
                 doc.list::<3>(section, "xyz_m", Must::LieWithin(-100.0, 100.0))
             }
@@ -189,22 +204,24 @@ fn read_site(doc: &mut Document<'_>, root: &DeTable<'_>) -> Option<Site> {
         return None;
     };
     let latitude = doc.required(section, "latitude_deg", Must::LieWithin(-90.0, 90.0), "north is positive");
-    let longitude = doc.required(section, "longitude_deg", Must::LieWithin(-180.0, 360.0), "east is positive");
+    let longitude =
+        doc.required(section, "longitude_deg", Must::LieWithin(-180.0, 360.0), "east is positive");
     let height =
         doc.required(section, "height_m", Must::LieWithin(-1000.0, 20_000.0), "height over the ellipsoid");
-    Some(Site {
-        latitude: latitude? * sheet::DEGREE,
-        longitude: longitude? * sheet::DEGREE,
-        height: height?,
-    })
+    Some(Site { latitude: latitude? * sheet::DEGREE, longitude: longitude? * sheet::DEGREE, height: height? })
 }
 
 fn read_initial(doc: &mut Document<'_>, section: Section<'_>) -> Option<InitialAttitude> {
     let level = doc.required(section, "level_sigma_deg", Must::BePositiveUpTo(180.0), "sigma of the tilt");
-    let heading = doc.required(section, "heading_sigma_deg", Must::BePositiveUpTo(180.0), "sigma of the heading");
+    let heading =
+        doc.required(section, "heading_sigma_deg", Must::BePositiveUpTo(180.0), "sigma of the heading");
     let field = section.field("quaternion_wxyz");
     let Some(span) = section.span_of("quaternion_wxyz") else {
-        doc.lack(Some(section), &field, "the attitude at the first row; without [initial] it is found from the data");
+        doc.lack(
+            Some(section),
+            &field,
+            "the attitude at the first row; without [initial] it is found from the data",
+        );
         return None;
     };
     // Any finite number here: what counts is the norm.
@@ -229,7 +246,12 @@ fn read_priors(doc: &mut Document<'_>, section: Section<'_>) -> Vec<(&'static st
         let name = key.get_ref().as_ref();
         let field = section.field(name);
         let Some((effect, si)) = units::effect_units(name) else {
-            doc.refuse(key.span(), &field, "is not an effect", Some(suggest::hint(name, units::effect_names())));
+            doc.refuse(
+                key.span(),
+                &field,
+                "is not an effect",
+                Some(suggest::hint(name, units::effect_names())),
+            );
             continue;
         };
         if si.is_empty() {
@@ -247,7 +269,12 @@ fn read_priors(doc: &mut Document<'_>, section: Section<'_>) -> Vec<(&'static st
         let sigma = match table.get("sigma") {
             Some(sigma) => doc.number(sigma, &format!("{field}.sigma"), Must::BePositive),
             None => {
-                doc.refuse(key.span(), &format!("{field}.sigma"), "is missing", Some("one standard deviation".into()));
+                doc.refuse(
+                    key.span(),
+                    &format!("{field}.sigma"),
+                    "is missing",
+                    Some("one standard deviation".into()),
+                );
                 None
             }
         };
@@ -256,17 +283,27 @@ fn read_priors(doc: &mut Document<'_>, section: Section<'_>) -> Vec<(&'static st
                 let scale = units::scale(accepted, unit);
                 if scale.is_none() {
                     let problem = format!("`{unit}` is not a unit of this effect");
-                    doc.refuse(span, &format!("{field}.unit"), &problem, Some(format!("accepted: {}", names())));
+                    doc.refuse(
+                        span,
+                        &format!("{field}.unit"),
+                        &problem,
+                        Some(format!("accepted: {}", names())),
+                    );
                 }
                 scale
             }
             Some((span, other)) => {
-                let problem = format!("is a {}, the name of a unit was expected", other.type_str());
+                let problem = format!("is {}, the name of a unit was expected", fields::kind(other));
                 doc.refuse(span, &format!("{field}.unit"), &problem, Some(format!("accepted: {}", names())));
                 None
             }
             None => {
-                doc.refuse(key.span(), &format!("{field}.unit"), "is missing", Some(format!("accepted: {}", names())));
+                doc.refuse(
+                    key.span(),
+                    &format!("{field}.unit"),
+                    "is missing",
+                    Some(format!("accepted: {}", names())),
+                );
                 None
             }
         };

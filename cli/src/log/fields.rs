@@ -26,6 +26,12 @@ pub(super) struct Section<'t> {
     span: (usize, usize),
 }
 
+/// The kind of a value with its article.
+pub(super) fn kind(value: &DeValue<'_>) -> String {
+    let kind = value.type_str();
+    format!("{} {kind}", if kind.starts_with(['a', 'i']) { "an" } else { "a" })
+}
+
 /// What a number must be.
 #[derive(Clone, Copy)]
 pub(super) enum Must {
@@ -105,8 +111,8 @@ impl<'a> Document<'a> {
         let (key, value) = root.get_key_value(name)?;
         let span = (key.span().start, key.span().end);
         let DeValue::Table(table) = value.get_ref() else {
-            let found = value.get_ref().type_str();
-            self.refuse(value.span(), name, &format!("is a {found}, a table was expected"), Some(format!("write [{name}]")));
+            let problem = format!("is {}, a table was expected", kind(value.get_ref()));
+            self.refuse(value.span(), name, &problem, Some(format!("write [{name}]")));
             return None;
         };
         if let Some(known) = known {
@@ -122,7 +128,13 @@ impl<'a> Document<'a> {
     }
 
     /// A number that must be there; `help` says what it is.
-    pub(super) fn required(&mut self, section: Section<'_>, key: &str, must: Must, help: &str) -> Option<f64> {
+    pub(super) fn required(
+        &mut self,
+        section: Section<'_>,
+        key: &str,
+        must: Must,
+        help: &str,
+    ) -> Option<f64> {
         if !section.table.contains_key(key) {
             self.lack(Some(section), &section.field(key), help);
         }
@@ -146,7 +158,7 @@ impl<'a> Document<'a> {
                 return None;
             }
             other => {
-                let problem = format!("is a {}, a list of {N} numbers was expected", other.type_str());
+                let problem = format!("is {}, a list of {N} numbers was expected", kind(other));
                 self.refuse(value.span(), &field, &problem, None);
                 return None;
             }
@@ -170,7 +182,7 @@ impl<'a> Document<'a> {
                 i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
             }
             other => {
-                let problem = format!("is a {}, {} was expected", other.type_str(), must.describe());
+                let problem = format!("is {}, {} was expected", kind(other), must.describe());
                 self.refuse(value.span(), field, &problem, None);
                 return None;
             }

@@ -205,7 +205,8 @@ impl Samples {
             self.next = 0;
             if self.batch.rows == 0 {
                 if self.rows == 0 {
-                    return Err(LogError::file(&self.table, "has no rows").help("one row per IMU sample was expected"));
+                    return Err(LogError::file(&self.table, "has no rows")
+                        .help("one row per IMU sample was expected"));
                 }
                 return Ok(None);
             }
@@ -338,7 +339,8 @@ fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
             (false, true) => (csv, Kind::Csv),
             (false, false) => {
                 let problem = format!("there is neither {} nor {}", parquet.display(), csv.display());
-                let help = log.is_file().then_some("the ending of a table must be .parquet or .csv".to_owned());
+                let help =
+                    log.is_file().then_some("the ending of a table must be .parquet or .csv".to_owned());
                 return Err(LogError::file(log, problem).help_if(help.filter(|_| ending != Some("toml"))));
             }
         },
@@ -375,7 +377,8 @@ fn warnings(description: &Description, layout: &Layout, path: &Path) -> Vec<Stri
         }
     }
     if !description.noise_given {
-        warnings.push(format!("{path}: [noise] is not given, 0.001 deg/sqrt(h) and 5 ug/sqrt(Hz) are assumed"));
+        warnings
+            .push(format!("{path}: [noise] is not given, 0.001 deg/sqrt(h) and 5 ug/sqrt(Hz) are assumed"));
     }
     warnings
 }

@@ -14,7 +14,9 @@ use arrow_array::types::{
 use arrow_array::{Array, ArrayRef, RecordBatch};
 use arrow_schema::DataType;
 use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use parquet::arrow::arrow_reader::{
+    ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder,
+};
 
 use super::columns::{Batch, Layout, NAMES, Source};
 use super::fault::LogError;
@@ -151,7 +153,11 @@ fn describe(kind: &DataType) -> String {
 
 /// Appends an array as numbers, null as NaN; `false` when it does not hold numbers.
 fn numbers(array: &ArrayRef, into: &mut Vec<f64>) -> bool {
-    fn copy<T: ArrowPrimitiveType>(array: &ArrayRef, into: &mut Vec<f64>, f64_of: fn(T::Native) -> f64) -> bool {
+    fn copy<T: ArrowPrimitiveType>(
+        array: &ArrayRef,
+        into: &mut Vec<f64>,
+        f64_of: fn(T::Native) -> f64,
+    ) -> bool {
         let Some(array) = array.as_primitive_opt::<T>() else { return false };
         if array.null_count() == 0 {
             into.extend(array.values().iter().map(|value| f64_of(*value)));

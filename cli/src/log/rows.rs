@@ -71,7 +71,8 @@ pub(super) enum Row {
 impl Checker {
     pub(super) fn new(path: PathBuf, description: &Description, layout: &Layout) -> Self {
         let navigation_grade = description.noise.angle_random_walk < NAVIGATION_WALK;
-        let reference = match [Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].map(|group| layout.has(group)) {
+        let reference = match [Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].map(|group| layout.has(group))
+        {
             [false, false, false] => Measured::FixedPoint,
             [velocity, position, attitude] => Measured::Columns { velocity, position, attitude },
         };
@@ -166,17 +167,23 @@ impl Checker {
         let step = time - last;
         let fault = |problem: String| LogError::row(&self.path, self.row, Some("time_s"), problem);
         if step == 0.0 {
-            return Err(fault(format!("{time} s repeats the time of the row before")).help("times must increase"));
+            return Err(
+                fault(format!("{time} s repeats the time of the row before")).help("times must increase")
+            );
         }
         if step < 0.0 {
-            return Err(fault(format!("{time} s follows {last} s")).help("times must increase from row to row"));
+            return Err(
+                fault(format!("{time} s follows {last} s")).help("times must increase from row to row")
+            );
         }
         if step <= LONGEST_STEP * self.interval {
             return Ok(None);
         }
         let intervals = step / self.interval;
-        let problem = format!("gap of {step:.6} s ({intervals:.1} sampling intervals) from {last} s to {time} s");
-        let help = "at most 1.5 intervals are allowed; `--bridge-gaps SECONDS` fills short gaps by interpolation";
+        let problem =
+            format!("gap of {step:.6} s ({intervals:.1} sampling intervals) from {last} s to {time} s");
+        let help =
+            "at most 1.5 intervals are allowed; `--bridge-gaps SECONDS` fills short gaps by interpolation";
         Ok(Some((step, fault(problem).help(help))))
     }
 
@@ -265,11 +272,13 @@ impl Checker {
         let mut reference = Reference::default();
         if velocity {
             let values = triple(batch, row, Group::REF_VEL);
-            reference.velocity = self.whole(Group::REF_VEL, values, LARGEST_REFERENCE[0], "a velocity in m/s")?;
+            reference.velocity =
+                self.whole(Group::REF_VEL, values, LARGEST_REFERENCE[0], "a velocity in m/s")?;
         }
         if position {
             let values = triple(batch, row, Group::REF_POS);
-            reference.position = self.whole(Group::REF_POS, values, LARGEST_REFERENCE[1], "a position in m")?;
+            reference.position =
+                self.whole(Group::REF_POS, values, LARGEST_REFERENCE[1], "a position in m")?;
         }
         if attitude {
             reference.attitude = self.quaternion(batch, row)?;

@@ -78,9 +78,13 @@ fn missing_readings_stay_missing_for_the_library_to_hold() -> Done {
     write(folder.path(), &table, DESCRIPTION)?;
     for name in ["c", "p"] {
         let (samples, _) = read(&Log::open(&folder.path().join(name))?)?;
-        let [first, second, third, fourth, fifth, ..] = samples.as_slice() else { return Err("too few".into()) };
+        let [first, second, third, fourth, fifth, ..] = samples.as_slice() else {
+            return Err("too few".into());
+        };
         assert_eq!(first.temperature.as_slice(), [30.0, 30.5, 31.0]);
-        assert!(second.temperature.x == 30.0 && second.temperature.y.is_nan() && second.temperature.z == 31.0);
+        assert!(
+            second.temperature.x == 30.0 && second.temperature.y.is_nan() && second.temperature.z == 31.0
+        );
         assert!(third.dither.x.is_nan() && third.dither.y == 0.08);
         assert!(fourth.reference.velocity.is_none() && fourth.reference.position.is_some());
         assert!(fifth.reference.velocity.is_some() && fifth.reference.attitude.is_none());
@@ -118,7 +122,8 @@ fn pulses_are_scaled_and_quaternions_normalised() -> Done {
     table.map("gyro_pulse_*", |_, _| 10.0);
     table.map("accel_pulse_*", |_, _| 1958.0);
     table.map("ref_quat_w", |_, _| 1.0005);
-    let scales = "rate_hz = 50.0\ngyro_rad_per_pulse = [1e-6, 2e-6, 3e-6]\naccel_m_s_per_pulse = [1e-4, 1e-5, 1e-6]";
+    let scales =
+        "rate_hz = 50.0\ngyro_rad_per_pulse = [1e-6, 2e-6, 3e-6]\naccel_m_s_per_pulse = [1e-4, 1e-5, 1e-6]";
     write(folder.path(), &table, &DESCRIPTION.replace("rate_hz = 50.0", scales))?;
     for name in ["c", "p"] {
         for sample in read(&Log::open(&folder.path().join(name))?)?.0 {

@@ -81,7 +81,11 @@ pub(super) fn effect_units(name: &str) -> Option<(&'static str, &'static str)> {
 
 /// The units in which a figure of this SI unit may be written.
 pub(super) fn accepted(si: &str) -> Units {
-    DIMENSIONS.iter().find(|units| units.first().is_some_and(|(unit, _)| *unit == si)).copied().unwrap_or_default()
+    DIMENSIONS
+        .iter()
+        .find(|units| units.first().is_some_and(|(unit, _)| *unit == si))
+        .copied()
+        .unwrap_or_default()
 }
 
 /// Size of `unit` in the SI unit of `units`.
