@@ -85,7 +85,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         time: 0.0,
     };
     let mut jacobian = [[0.0; 3]; 3];
-    MountSoftness::input_jacobian(&signals, &mut |input, state, value| jacobian[input - FORCE][state] = value);
+    MountSoftness::input_jacobian(&signals, &mut |input, state, value| {
+        jacobian[input - FORCE][state] = value
+    });
     compare(&jacobian, &dual_jacobian(&Reading { signals }, &[0.0; 3]), 1e-12)?;
     println!("the Jacobian of MountSoftness is right; {} has {} states", MountedUnit::NAME, MountedUnit::DIM);
     Ok(())

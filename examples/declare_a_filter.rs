@@ -28,7 +28,13 @@ pub struct MyTrackedUnit {
 
 fn main() {
     const { assert!(MyUnit::DIM == 34 && MyTrackedUnit::DIM == 37) };
-    println!("{} has {} states, {} has {}:", MyUnit::NAME, MyUnit::DIM, MyTrackedUnit::NAME, MyTrackedUnit::DIM);
+    println!(
+        "{} has {} states, {} has {}:",
+        MyUnit::NAME,
+        MyUnit::DIM,
+        MyTrackedUnit::NAME,
+        MyTrackedUnit::DIM
+    );
     MyTrackedUnit::states(&mut |s| {
         let sheet = s.prior_sigma / s.sheet_scale;
         println!("  {:24} {:3}  prior {sheet:8.3} {}", s.block, s.component, s.sheet_unit);

@@ -43,7 +43,8 @@ struct Sums {
 }
 
 impl Sums {
-    const EMPTY: Self = Self { dtheta: Vector3::new(0.0, 0.0, 0.0), dvel: Vector3::new(0.0, 0.0, 0.0), time: 0.0 };
+    const EMPTY: Self =
+        Self { dtheta: Vector3::new(0.0, 0.0, 0.0), dvel: Vector3::new(0.0, 0.0, 0.0), time: 0.0 };
 }
 
 /// Why a log does not give its own initial attitude.
@@ -83,7 +84,13 @@ impl core::error::Error for AlignError {}
 impl Aligner {
     /// Begins at the first sample of a log at `site` sampled at `rate` Hz; the bias priors (rad/s, m/s^2) limit what
     /// stillness can say.
-    pub fn new(site: Site, rate: f64, noise: SensorNoise, gyro_bias_sigma: f64, accel_bias_sigma: f64) -> Self {
+    pub fn new(
+        site: Site,
+        rate: f64,
+        noise: SensorNoise,
+        gyro_bias_sigma: f64,
+        accel_bias_sigma: f64,
+    ) -> Self {
         Self {
             site,
             noise,

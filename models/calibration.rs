@@ -1,7 +1,7 @@
 //! The closed-loop calibration run: navigation, sensitivities and filter over a log.
 
 use calib_core::{
-    Conventional, CoreVector, Filter, Form, Fade, Kalman, Matrix, Residuals, Shape, StateInfo, Transition,
+    Conventional, CoreVector, Fade, Filter, Form, Kalman, Matrix, Residuals, Shape, StateInfo, Transition,
     Vector,
 };
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -85,7 +85,13 @@ pub trait Observer<F: Filter<Dynamics = Strapdown>> {
     }
 
     /// The residuals at the sample of `time`, formed at `at` under `signals`, are about to be used.
-    fn measured(&mut self, time: f64, at: &Point<f64>, signals: &Signals<f64>, residuals: &Residuals<F, f64>) {
+    fn measured(
+        &mut self,
+        time: f64,
+        at: &Point<f64>,
+        signals: &Signals<f64>,
+        residuals: &Residuals<F, f64>,
+    ) {
         let _ = (time, at, signals, residuals);
     }
 
@@ -107,7 +113,11 @@ pub struct Diverged {
 
 impl core::fmt::Display for Diverged {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "the filter diverged at {} s: its innovation covariance is no longer positive definite", self.time)
+        write!(
+            f,
+            "the filter diverged at {} s: its innovation covariance is no longer positive definite",
+            self.time
+        )
     }
 }
 
@@ -375,10 +385,8 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             return Ok(None);
         }
         observer.measured(sample.time, &at, signals, &residuals);
-        let found = self
-            .kalman
-            .update(&at, signals, residuals, None)
-            .map_err(|_| Diverged { time: sample.time })?;
+        let found =
+            self.kalman.update(&at, signals, residuals, None).map_err(|_| Diverged { time: sample.time })?;
         if !found.nis.is_finite() {
             return Err(Diverged { time: sample.time });
         }
@@ -439,7 +447,8 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             correction[i] = x[i];
             x[i] = 0.0;
         }
-        let part = |first: usize| Vector3::new(correction[first], correction[first + 1], correction[first + 2]);
+        let part =
+            |first: usize| Vector3::new(correction[first], correction[first + 1], correction[first + 2]);
         self.navigation.correct(&part(0), &part(3), &part(6));
         for i in F::Shape::CORE..last {
             self.parameters[i] += correction[i];

@@ -92,8 +92,11 @@ impl Compensator {
     ) -> (Increments<f64>, Signals<f64>) {
         let rate = sample.dtheta / dt;
         let force = sample.dvel / dt;
-        let gyro_temperature =
-            if self.gyro_temperature.has_read() { self.gyro_temperature.value } else { self.temperature.value };
+        let gyro_temperature = if self.gyro_temperature.has_read() {
+            self.gyro_temperature.value
+        } else {
+            self.temperature.value
+        };
         let dither = self.dither.component_mul(&self.dither) * 0.5;
         let before = if self.last_rate.x.is_nan() { rate } else { self.last_rate };
         let mut signals = Signals {

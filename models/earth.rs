@@ -21,9 +21,9 @@ pub const SOMIGLIANA: f64 = 0.001_931_852_652_41;
 /// Gravitational constant times mass of the Earth, atmosphere included, m^3/s^2.
 pub const GRAVITATIONAL_PARAMETER: f64 = 3.986_004_418e14;
 /// Ratio of centrifugal to gravitational acceleration at the equator, m = omega^2 a^2 b / GM.
-pub const CENTRIFUGAL_RATIO: f64 = ROTATION_RATE * ROTATION_RATE * SEMI_MAJOR_AXIS * SEMI_MAJOR_AXIS * SEMI_MAJOR_AXIS
-    * (1.0 - FLATTENING)
-    / GRAVITATIONAL_PARAMETER;
+pub const CENTRIFUGAL_RATIO: f64 =
+    ROTATION_RATE * ROTATION_RATE * SEMI_MAJOR_AXIS * SEMI_MAJOR_AXIS * SEMI_MAJOR_AXIS * (1.0 - FLATTENING)
+        / GRAVITATIONAL_PARAMETER;
 
 /// Radii of curvature at geodetic `latitude`: in the meridian R_M and in the prime vertical R_N, m.
 #[inline]

@@ -6,12 +6,12 @@
 use calib_core::Filter;
 use state_macro::StateBlocks;
 
+use crate::Strapdown;
 use crate::blocks::groups::*;
 use crate::blocks::*;
-use crate::Strapdown;
 
 /// 36 states: navigation 9, gyro 9, accelerometer 15, outer lever arm 3.
-#[derive(StateBlocks)]
+#[derive(Debug, StateBlocks)]
 #[filter(name = "36d-p", measures(velocity, position))]
 pub struct Sins36P {
     attitude: Attitude,
@@ -23,7 +23,7 @@ pub struct Sins36P {
 }
 
 /// 39 states: 36D-P and the inner lever arm of each accelerometer along its own axis.
-#[derive(StateBlocks)]
+#[derive(Debug, StateBlocks)]
 #[filter(name = "39d-p", measures(velocity, position))]
 pub struct Sins39P {
     #[base]
@@ -32,7 +32,7 @@ pub struct Sins39P {
 }
 
 /// 40 states: 39D-P and the accelerometer delay.
-#[derive(StateBlocks)]
+#[derive(Debug, StateBlocks)]
 #[filter(name = "40d-p", measures(velocity, position))]
 pub struct Sins40P {
     #[base]
@@ -41,7 +41,7 @@ pub struct Sins40P {
 }
 
 /// 43 states: 40D-P and the temperature scale factor of each accelerometer.
-#[derive(StateBlocks)]
+#[derive(Debug, StateBlocks)]
 #[filter(name = "43d-p", measures(velocity, position))]
 pub struct Sins43P {
     #[base]
@@ -50,7 +50,7 @@ pub struct Sins43P {
 }
 
 /// The states of 43D-P, with the gyros' dither acting through the inner lever arm.
-#[derive(StateBlocks)]
+#[derive(Debug, StateBlocks)]
 #[filter(name = "43d-b", measures(velocity, position))]
 pub struct Sins43B {
     attitude: Attitude,
@@ -67,7 +67,7 @@ pub struct Sins43B {
 
 /// 30 states for a unit carried by hand: navigation 9, gyro 9, accelerometer scale, installation and bias 12; its velocity
 /// is known while it stands still.
-#[derive(StateBlocks)]
+#[derive(Debug, StateBlocks)]
 #[filter(name = "mems-30d", measures(velocity))]
 pub struct Mems30 {
     attitude: Attitude,
@@ -79,7 +79,7 @@ pub struct Mems30 {
 
 /// 35 states for a unit seen by a motion-capture system: those of `mems-30d`, how the system's body frame is mounted on the
 /// unit, and how its level is tilted.
-#[derive(StateBlocks)]
+#[derive(Debug, StateBlocks)]
 #[filter(name = "tracked-35d", measures(position, attitude))]
 pub struct Tracked35 {
     #[base]

@@ -27,31 +27,32 @@ pub use blocks::{
     InnerLeverArmTangential, OuterLeverArm, Position, ReferenceDelay, ReferenceMisalignment, ReferenceTilt,
     Velocity,
 };
-pub use effects::{EFFECTS, Effect, EffectInfo, effect};
 #[doc(hidden)]
 pub use calib_core;
 #[cfg(feature = "check")]
 pub use calib_core::check;
 pub use calib_core::{
-    Block, BlockSet, BlockView, ChannelGroup, Conventional, Dim, Dynamics, Estimate, Filter, Form, Innovation, Kalman,
-    Need, Real, Relaxation, Residuals, Shape, StateInfo, Transition, Ud, View,
+    Block, BlockSet, BlockView, ChannelGroup, Conventional, Dim, Dynamics, Estimate, Filter, Form,
+    Innovation, Kalman, Need, Real, Relaxation, Residuals, Shape, StateInfo, Transition, Ud, View,
 };
 pub use calibration::{Calibration, Diverged, Observer, Parameter, Statistics, Update};
 pub use compensation::{Compensator, input_errors};
+pub use effects::{EFFECTS, Effect, EffectInfo, effect};
 pub use filters::{
-    FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35, visit_filter,
+    FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
+    visit_filter,
 };
 pub use sample::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Site};
 pub use signals::{Point, Signals};
-pub use strapdown_model::{FORCE, RATE, Strapdown};
 pub use state_macro::StateBlocks;
+pub use strapdown_model::{FORCE, RATE, Strapdown};
 
 /// What a declaration needs: `use sinscal::prelude::*;`.
 pub mod prelude {
     pub use crate::blocks::groups::*;
     pub use crate::blocks::*;
     pub use crate::{
-        Block, BlockSet, BlockView, Calibration, ChannelGroup, Conventional, Dynamics, Filter, Kalman, Need, Real,
-        Relaxation, Residuals, StateBlocks, StateInfo, Strapdown, Transition, Ud,
+        Block, BlockSet, BlockView, Calibration, ChannelGroup, Conventional, Dynamics, Filter, Kalman, Need,
+        Real, Relaxation, Residuals, StateBlocks, StateInfo, Strapdown, Transition, Ud,
     };
 }

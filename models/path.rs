@@ -75,8 +75,8 @@ mod tests {
 
     /// The column "attitude after rotation" of table 1, row by row.
     const PRINTED: [&[u8; 3]; 18] = [
-        b"NED", b"UEN", b"DES", b"UEN", b"EDN", b"WUN", b"EDN", b"ENU", b"ESD", b"ENU", b"EUS", b"ESD", b"EDN",
-        b"DWN", b"WUN", b"UEN", b"SEU", b"DES",
+        b"NED", b"UEN", b"DES", b"UEN", b"EDN", b"WUN", b"EDN", b"ENU", b"ESD", b"ENU", b"EUS", b"ESD",
+        b"EDN", b"DWN", b"WUN", b"UEN", b"SEU", b"DES",
     ];
 
     #[test]

@@ -5,7 +5,9 @@ mod common;
 use calib_core::Extended;
 use common::{Numbers, sample, setup, signals};
 use hybrid_array::typenum::U3;
-use sinscal::{AccelTemperatureScale, Calibration, Conventional, Filter, Form, Sins40P, Sins43P, Strapdown, Ud};
+use sinscal::{
+    AccelTemperatureScale, Calibration, Conventional, Filter, Form, Sins40P, Sins43P, Strapdown, Ud,
+};
 
 fn parameters<F: Filter<Dynamics = Strapdown>, C: Form>() -> Vec<(String, u64, u64)> {
     let mut numbers = Numbers(5);
@@ -20,7 +22,9 @@ fn parameters<F: Filter<Dynamics = Strapdown>, C: Form>() -> Vec<(String, u64, u
         run.step(&sample).expect("the run converges");
     }
     let mut all = Vec::new();
-    run.parameters(&mut |p| all.push((format!("{} {}", p.info.block, p.info.component), p.value.to_bits(), p.sigma.to_bits())));
+    run.parameters(&mut |p| {
+        all.push((format!("{} {}", p.info.block, p.info.component), p.value.to_bits(), p.sigma.to_bits()))
+    });
     all
 }
 

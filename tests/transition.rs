@@ -15,7 +15,11 @@ type State = [f64; F::DIM];
 
 /// Runs the nonlinear mechanisation from `start` with sensors whose errors are `errors` (SI, truth of the parameters), and
 /// returns the navigation solutions.
-fn run(start: &NavigationState<f64>, errors: &State, mut each: impl FnMut(usize, &NavigationState<f64>)) -> NavigationState<f64> {
+fn run(
+    start: &NavigationState<f64>,
+    errors: &State,
+    mut each: impl FnMut(usize, &NavigationState<f64>),
+) -> NavigationState<f64> {
     let mut state = *start;
     let mut previous = Increments::zero();
     let dt = 1.0 / RATE;
@@ -115,7 +119,11 @@ fn worst_error(samples: usize) -> f64 {
             if scale > 1e-4 {
                 worst = worst.max((rows[i][j] - derivative[i]).abs() / scale);
             } else {
-                assert!(rows[i][j].abs() < 1e-5, "row {i}, column {j} should be negligible: {:e}", rows[i][j]);
+                assert!(
+                    rows[i][j].abs() < 1e-5,
+                    "row {i}, column {j} should be negligible: {:e}",
+                    rows[i][j]
+                );
             }
         }
     }

@@ -22,7 +22,8 @@ pub struct StateInfo {
 /// A set of blocks known to a family of dynamics, as bits.
 ///
 /// Declarations are checked with it at compile time: which blocks are there, which are missing, which
-/// stand there twice. A family numbers its blocks as it likes; a block nobody asks for has no bit.
+/// stand there twice. Each family of dynamics numbers its blocks; a block that nobody asks for needs no number. For
+/// strapdown systems 31 to 63 are free for blocks of other crates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockSet(u64);
 

@@ -29,7 +29,10 @@ pub trait Model<const N: usize, const M: usize> {
 }
 
 /// The Jacobian by dual numbers, exact to rounding: entry `[i][j]` is the derivative of result i by number j.
-pub fn dual_jacobian<const N: usize, const M: usize>(model: &impl Model<N, M>, x: &[f64; N]) -> [[f64; N]; M] {
+pub fn dual_jacobian<const N: usize, const M: usize>(
+    model: &impl Model<N, M>,
+    x: &[f64; N],
+) -> [[f64; N]; M] {
     let mut jacobian = [[0.0; N]; M];
     for j in 0..N {
         let seeded: [Dual64; N] = core::array::from_fn(|k| Dual64::new(x[k], if k == j { 1.0 } else { 0.0 }));

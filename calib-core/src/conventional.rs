@@ -64,11 +64,7 @@ impl Form for Conventional {
         }
     }
 
-    fn propagate<S: Shape, T: Real>(
-        cov: &mut S::Matrix<T>,
-        rows: &S::CoreRows<T>,
-        noise: &S::CoreMatrix<T>,
-    ) {
+    fn propagate<S: Shape, T: Real>(cov: &mut S::Matrix<T>, rows: &S::CoreRows<T>, noise: &S::CoreMatrix<T>) {
         let mut moved = S::core_rows(T::zero());
         for i in 0..S::CORE {
             combine::<S, T>(&mut moved[i], &rows[i], cov);

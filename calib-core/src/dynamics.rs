@@ -21,6 +21,11 @@ pub struct ChannelGroup {
 /// [`CORE`](Self::CORE) leading states and `u` the errors of the [`INPUTS`](Self::INPUTS) sensor inputs
 /// that parameter blocks cause through [`Block::input_jacobian`](crate::Block::input_jacobian).
 /// For a strapdown system the inputs are the three angular rates and the three specific forces.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a family of dynamics",
+    label = "no dynamics",
+    note = "implement `Dynamics` for it, or leave `dynamics` out for a strapdown system"
+)]
 pub trait Dynamics: Sized + 'static {
     /// Number of leading states.
     const CORE: usize;
@@ -28,7 +33,8 @@ pub trait Dynamics: Sized + 'static {
     const INPUTS: usize;
     /// Measurements that declarations can ask for.
     const CHANNELS: &'static [ChannelGroup];
-    /// The blocks that every declaration of the family begins with, in order, with what to say otherwise.
+    /// The blocks that every declaration of the family begins with, in the order of their states, with what to say
+    /// otherwise.
     const NEEDS: &'static [Need];
 
     /// What the input Jacobians of blocks depend on.

@@ -47,11 +47,7 @@ pub trait Form: Copy + 'static {
     fn set_diagonal<S: Shape, T: Real>(cov: &mut S::Matrix<T>, variances: &S::Vector<T>);
 
     /// P <- F P F' + Q, with Q given in its leading C x C block; parameters stay as they are.
-    fn propagate<S: Shape, T: Real>(
-        cov: &mut S::Matrix<T>,
-        rows: &S::CoreRows<T>,
-        noise: &S::CoreMatrix<T>,
-    );
+    fn propagate<S: Shape, T: Real>(cov: &mut S::Matrix<T>, rows: &S::CoreRows<T>, noise: &S::CoreMatrix<T>);
 
     /// Lets one parameter fade, after [`propagate`](Self::propagate).
     fn fade<S: Shape, T: Real>(cov: &mut S::Matrix<T>, fade: &Fade<T>);

@@ -202,9 +202,8 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
             Some(limit) => self.reject(&mut h, &mut residuals, limit)?,
             None => 0,
         };
-        let whitened =
-            C::update::<F::Shape, T>(&mut self.cov, &mut self.x, &h, &residuals.r, &residuals.z)
-                .ok_or(NotPositiveDefinite)?;
+        let whitened = C::update::<F::Shape, T>(&mut self.cov, &mut self.x, &h, &residuals.r, &residuals.z)
+            .ok_or(NotPositiveDefinite)?;
         let degrees_of_freedom = residuals.count();
         let constant = T::of(degrees_of_freedom as f64) * T::two_pi().ln();
         Ok(Innovation {

@@ -34,7 +34,11 @@ impl<F: Filter, T: Real> ObservabilityRows<F, T> {
         signals: &<F::Dynamics as Dynamics>::Signals<T>,
         seconds: T,
     ) -> Self {
-        Self { system: system_rows::<F, T>(at, signals), rows: measurement_rows::<F, T>(at, signals), seconds }
+        Self {
+            system: system_rows::<F, T>(at, signals),
+            rows: measurement_rows::<F, T>(at, signals),
+            seconds,
+        }
     }
 
     /// The current block, M x N.

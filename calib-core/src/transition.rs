@@ -92,10 +92,7 @@ impl<F: Filter, T: Real> Transition<F, T> {
 
     /// Covariance that white noise of the given densities on the leading states adds over the interval:
     /// Simpson's rule on `Phi Q Phi'`, exact for a chain of two integrators.
-    pub fn noise(
-        &self,
-        density: &CoreVector<F, T>,
-    ) -> <F::Shape as Shape>::CoreMatrix<T> {
+    pub fn noise(&self, density: &CoreVector<F, T>) -> <F::Shape as Shape>::CoreMatrix<T> {
         let half = T::of(0.5);
         let (sixth, four_sixths) = (self.elapsed / T::of(6.0), self.elapsed * T::of(4.0 / 6.0));
         let mut q = F::Shape::core_matrix(T::zero());

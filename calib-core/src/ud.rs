@@ -57,11 +57,7 @@ impl Form for Ud {
         }
     }
 
-    fn propagate<S: Shape, T: Real>(
-        cov: &mut S::Matrix<T>,
-        rows: &S::CoreRows<T>,
-        noise: &S::CoreMatrix<T>,
-    ) {
+    fn propagate<S: Shape, T: Real>(cov: &mut S::Matrix<T>, rows: &S::CoreRows<T>, noise: &S::CoreMatrix<T>) {
         // the parameters' columns: U12 <- Phi U12 + Psi U22
         for j in S::CORE..S::STATES {
             let column = cov[j].clone();

@@ -20,11 +20,24 @@ pub trait View<'a, T: Real>: Sized {
 }
 
 /// The states of one block within an estimate.
-#[derive(Debug)]
 pub struct BlockView<'a, B, T: Real> {
     estimate: Estimate<'a, T>,
     offset: usize,
     block: PhantomData<B>,
+}
+
+impl<B, T: Real> Clone for BlockView<'_, B, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<B, T: Real> Copy for BlockView<'_, B, T> {}
+
+impl<B: Block, T: Real> core::fmt::Debug for BlockView<'_, B, T> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_list().entries(self.values()).finish()
+    }
 }
 
 impl<'a, B: Block, T: Real> View<'a, T> for BlockView<'a, B, T> {

@@ -207,7 +207,9 @@ fn a_poisoned_update_is_refused() {
     let mut cov = S::matrix(0.0);
     Conventional::set_diagonal::<S, f64>(&mut cov, &case.start);
     case.h[0][1] = f64::NAN;
-    assert!(Conventional::update::<S, f64>(&mut cov, &mut case.x.clone(), &case.h, &case.r, &case.z).is_none());
+    assert!(
+        Conventional::update::<S, f64>(&mut cov, &mut case.x.clone(), &case.h, &case.r, &case.z).is_none()
+    );
     Ud::set_diagonal::<S, f64>(&mut cov, &case.start);
     assert!(Ud::update::<S, f64>(&mut cov, &mut case.x, &case.h, &case.r, &case.z).is_none());
 }

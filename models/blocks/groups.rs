@@ -10,7 +10,7 @@ use super::{
 ///
 /// The body frame is tied to the triad, x along the x gyro's sensitive axis and y in the plane of the x and y gyros: three
 /// installation angles remain.
-#[derive(StateBlocks)]
+#[derive(Debug, StateBlocks)]
 #[group]
 pub struct GyroErrors {
     scale: GyroScale,
@@ -19,7 +19,7 @@ pub struct GyroErrors {
 }
 
 /// The fifteen errors of an accelerometer triad: scale, installation, bias, quadratic scale factor (Eq. 23, 27, 35).
-#[derive(StateBlocks)]
+#[derive(Debug, StateBlocks)]
 #[group]
 pub struct AccelErrors {
     scale: AccelScale,
@@ -29,7 +29,7 @@ pub struct AccelErrors {
 }
 
 /// The twelve errors of an accelerometer triad that are linear in the specific force: scale, installation, bias.
-#[derive(StateBlocks)]
+#[derive(Debug, StateBlocks)]
 #[group]
 pub struct LinearAccelErrors {
     scale: AccelScale,

@@ -2,9 +2,7 @@
 #![allow(dead_code, reason = "not every test uses all of the shared helpers")]
 
 use nalgebra::{UnitQuaternion, Vector3};
-use sinscal::{
-    InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Signals, Site,
-};
+use sinscal::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Signals, Site};
 
 /// A small linear congruential generator, uniform in -1 to 1: the tests need numbers, not statistics.
 pub(crate) struct Numbers(pub(crate) u64);

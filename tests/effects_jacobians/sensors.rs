@@ -33,10 +33,13 @@ pub(crate) fn error(name: &str, s: &Signals<f64>, p: &[f64]) -> Vec<f64> {
         "accel-bias-drift" => (none, s.time * v(p)),
         // The specific force stays where it is in n: at t - tau the body was turned back by omega tau.
         "accel-delay" => (none, Rotation3::from_scaled_axis(w * p[0]) * f - f),
-        "inner-lever-arm" => (none, size_effect(s, &s.coupled_dither, [[p[0], 0.0, 0.0], [0.0, p[1], 0.0], [0.0, 0.0, p[2]]])),
-        "inner-lever-arm-tangential" => {
-            (none, size_effect(s, &s.coupled_dither, [[0.0, p[0], p[1]], [p[2], 0.0, p[3]], [p[4], p[5], 0.0]]))
+        "inner-lever-arm" => {
+            (none, size_effect(s, &s.coupled_dither, [[p[0], 0.0, 0.0], [0.0, p[1], 0.0], [0.0, 0.0, p[2]]]))
         }
+        "inner-lever-arm-tangential" => (
+            none,
+            size_effect(s, &s.coupled_dither, [[0.0, p[0], p[1]], [p[2], 0.0, p[3]], [p[4], p[5], 0.0]]),
+        ),
         "dither-size-effect" => {
             let r = [[p[0], 0.0, 0.0], [0.0, p[1], 0.0], [0.0, 0.0, p[2]]];
             (none, size_effect(s, &s.dither, r) - size_effect(s, &none, r))
