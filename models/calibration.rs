@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::compensation::Compensator;
 use crate::strapdown::{Increments, NavigationState};
-use crate::{Point, Reference, Sample, Setup, Signals, Strapdown, earth};
+use crate::{Observer, Point, Reference, Sample, Setup, Signals, Strapdown, Updated, earth};
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
 const STEP_ANGLE: f64 = 0.02;
@@ -74,35 +74,6 @@ impl Statistics {
         self.nis / self.degrees_of_freedom as f64
     }
 }
-
-/// Is told what a [`Calibration`] does, step by step: for smoothing, for pricing effects, for figures.
-///
-/// Every method does nothing by default.
-pub trait Observer<F: Filter<Dynamics = Strapdown>> {
-    /// State and covariance have moved over `transition`; `density` is the white noise on the leading states.
-    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
-        let _ = (transition, density);
-    }
-
-    /// The residuals at the sample of `time`, formed at `at` under `signals`, are about to be used.
-    fn measured(
-        &mut self,
-        time: f64,
-        at: &Point<f64>,
-        signals: &Signals<f64>,
-        residuals: &Residuals<F, f64>,
-    ) {
-        let _ = (time, at, signals, residuals);
-    }
-
-    /// `correction` was taken out of the state vector and put into navigation solution and parameters.
-    fn fed_back(&mut self, correction: &Vector<F, f64>) {
-        let _ = correction;
-    }
-}
-
-/// Nobody watches.
-impl<F: Filter<Dynamics = Strapdown>> Observer<F> for () {}
 
 /// The filter stopped making sense.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -366,6 +337,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         let elapsed = self.transition.elapsed();
         self.kalman.predict(&self.transition, &self.density);
         observer.predicted(&self.transition, &self.density);
+        observer.moved(&self.kalman);
         F::relaxation(&mut |state, relaxation| {
             self.parameters[state] *= Fade::over(relaxation, state, elapsed).keep;
         });
@@ -385,12 +357,18 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             return Ok(None);
         }
         observer.measured(sample.time, &at, signals, &residuals);
+        let before = self.kalman.x().clone();
         let found =
             self.kalman.update(&at, signals, residuals, None).map_err(|_| Diverged { time: sample.time })?;
         if !found.nis.is_finite() {
             return Err(Diverged { time: sample.time });
         }
+        let mut change = self.kalman.x().clone();
+        for i in 0..F::Shape::STATES {
+            change[i] -= before[i];
+        }
         self.feed_back(!self.hold_parameters, observer);
+        observer.updated(&Updated { time: sample.time, change: &change, navigation: &self.navigation });
         // half a sample of slack, so that rounding of the time stamps does not skip a reading
         self.next_update = sample.time + 1.0 / self.setup.update_rate - 0.5 / self.setup.rate;
         self.statistics.updates += 1;

@@ -10,9 +10,12 @@ mod compensation;
 pub mod earth;
 mod effects;
 mod filters;
+mod observer;
 pub mod path;
 mod sample;
 mod signals;
+#[cfg(feature = "std")]
+mod smoothing;
 pub mod strapdown;
 mod strapdown_model;
 pub mod tables;
@@ -35,15 +38,18 @@ pub use calib_core::{
     Block, BlockSet, BlockView, ChannelGroup, Conventional, Dim, Dynamics, Estimate, Filter, Form,
     Innovation, Kalman, Need, Real, Relaxation, Residuals, Shape, StateInfo, Transition, Ud, View,
 };
-pub use calibration::{Calibration, Diverged, Observer, Parameter, Statistics, Update};
+pub use calibration::{Calibration, Diverged, Parameter, Statistics, Update};
 pub use compensation::{Compensator, input_errors};
 pub use effects::{EFFECTS, Effect, EffectInfo, effect};
 pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
     visit_filter,
 };
+pub use observer::{Observer, Updated};
 pub use sample::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Site};
 pub use signals::{Point, Signals};
+#[cfg(feature = "std")]
+pub use smoothing::{Smoothed, Smoother};
 pub use state_macro::StateBlocks;
 pub use strapdown_model::{FORCE, RATE, Strapdown};
 

@@ -1,0 +1,55 @@
+//! Watching a calibration run.
+
+use calib_core::{CoreVector, Filter, Form, Kalman, Residuals, Transition, Vector};
+
+use crate::strapdown::NavigationState;
+use crate::{Point, Signals, Strapdown};
+
+/// Is told what a [`Calibration`](crate::Calibration) does, step by step: for smoothing, for pricing effects, for figures.
+///
+/// Every method does nothing by default.
+pub trait Observer<F: Filter<Dynamics = Strapdown>> {
+    /// State and covariance have moved over `transition`; `density` is the white noise on the leading states.
+    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
+        let _ = (transition, density);
+    }
+
+    /// The filter as it is after a prediction, before anything is fed back.
+    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
+        let _ = kalman;
+    }
+
+    /// The residuals at the sample of `time`, formed at `at` under `signals`, are about to be used.
+    fn measured(
+        &mut self,
+        time: f64,
+        at: &Point<f64>,
+        signals: &Signals<f64>,
+        residuals: &Residuals<F, f64>,
+    ) {
+        let _ = (time, at, signals, residuals);
+    }
+
+    /// `correction` was taken out of the state vector and put into navigation solution and parameters.
+    fn fed_back(&mut self, correction: &Vector<F, f64>) {
+        let _ = correction;
+    }
+
+    /// An update is complete, its result fed back.
+    fn updated(&mut self, update: &Updated<'_, F>) {
+        let _ = update;
+    }
+}
+
+/// Nobody watches.
+impl<F: Filter<Dynamics = Strapdown>> Observer<F> for () {}
+
+/// A complete update.
+pub struct Updated<'a, F: Filter> {
+    /// Time of the sample, s.
+    pub time: f64,
+    /// What the update added to the state vector, before feedback.
+    pub change: &'a Vector<F, f64>,
+    /// The navigation solution after feedback.
+    pub navigation: &'a NavigationState<f64>,
+}

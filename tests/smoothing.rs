@@ -1,0 +1,138 @@
+//! The smoother against the textbook: gains from stored dense covariances.
+
+mod common;
+
+use calib_core::{CoreVector, Form, Kalman};
+use common::{Numbers, sample, setup, signals};
+use nalgebra::{DMatrix, DVector, Vector3};
+use sinscal::strapdown::{Increments, NavigationState};
+use sinscal::{Calibration, Conventional, Observer, Sins36P, Smoother, Transition, Updated};
+
+type F = Sins36P;
+const N: usize = F::DIM;
+
+/// Remembers everything, as dense matrices.
+#[derive(Default)]
+struct Textbook {
+    steps: Vec<(DMatrix<f64>, DMatrix<f64>, DVector<f64>, Option<NavigationState<f64>>)>,
+    transition: Option<DMatrix<f64>>,
+}
+
+impl Observer<F> for Textbook {
+    fn predicted(&mut self, transition: &Transition<F, f64>, _: &CoreVector<F, f64>) {
+        let rows = transition.rows();
+        self.transition =
+            Some(DMatrix::from_fn(N, N, |i, j| if i < 9 { rows[i][j] } else { f64::from(u8::from(i == j)) }));
+    }
+    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
+        let p = kalman.covariance();
+        let f = self.transition.take().expect("a prediction came first");
+        self.steps.push((f, DMatrix::from_fn(N, N, |i, j| p[i][j]), DVector::zeros(N), None));
+    }
+    fn updated(&mut self, update: &Updated<'_, F>) {
+        if let Some(step) = self.steps.last_mut() {
+            step.2 = DVector::from_fn(N, |i, _| update.change[i]);
+            step.3 = Some(*update.navigation);
+        }
+    }
+}
+
+/// Both observers at once, and the covariances after the updates.
+struct Both {
+    textbook: Textbook,
+    smoother: Smoother<F>,
+}
+
+impl Observer<F> for Both {
+    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
+        self.textbook.predicted(transition, density);
+        self.smoother.predicted(transition, density);
+    }
+    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
+        self.textbook.moved(kalman);
+        self.smoother.moved(kalman);
+    }
+    fn updated(&mut self, update: &Updated<'_, F>) {
+        self.textbook.updated(update);
+        self.smoother.updated(update);
+    }
+}
+
+fn run(pass_two: bool) -> (Both, Vec<DMatrix<f64>>) {
+    let setup = setup();
+    let mut calibration = Calibration::<F, Conventional>::new(&setup);
+    let mut filtered = Vec::new();
+    let mut both = Both { textbook: Textbook::default(), smoother: Smoother::default() };
+    for pass in 0..=usize::from(pass_two) {
+        if pass > 0 {
+            calibration.begin_pass();
+        }
+        let mut numbers = Numbers(17);
+        both = Both { textbook: Textbook::default(), smoother: Smoother::default() };
+        filtered.clear();
+        let mut truth = NavigationState::at_rest(&setup.site, setup.initial.attitude);
+        let mut previous = Increments::zero();
+        for k in 0..2000 {
+            let time = f64::from(k) * 0.01;
+            let mut now = signals(time);
+            now.force = truth.attitude.inverse() * Vector3::new(0.0, 0.0, 9.79);
+            let increments = Increments { dtheta: now.rate * 0.01, dvel: now.force * 0.01 };
+            if k > 0 {
+                truth.step(&increments, &previous, 0.01);
+            }
+            previous = increments;
+            let mut sample = sample(
+                time,
+                increments.dtheta + numbers.vector(3e-8),
+                increments.dvel + numbers.vector(5e-6) + Vector3::repeat(1e-5),
+            );
+            sample.reference.velocity = Some(truth.velocity + numbers.vector(1e-3));
+            sample.reference.position = Some(truth.position(&setup.site) + numbers.vector(2e-3));
+            calibration.step_observed(&sample, &mut both).expect("the run converges");
+            if both.textbook.steps.len() > filtered.len() {
+                let p = calibration.covariance();
+                filtered.push(DMatrix::from_fn(N, N, |i, j| p[i][j]));
+            }
+        }
+    }
+    (both, filtered)
+}
+
+fn smoothed_as_in_the_textbook(pass_two: bool) {
+    let (both, filtered) = run(pass_two);
+    let steps = &both.textbook.steps;
+    let mut s = DVector::<f64>::zeros(N);
+    let mut expected = Vec::new();
+    for k in (0..steps.len()).rev() {
+        let (f, predicted, change, navigation) = &steps[k];
+        if let Some(mut navigation) = *navigation {
+            let part = |i: usize| Vector3::new(s[i], s[i + 1], s[i + 2]);
+            navigation.correct(&part(0), &part(3), &part(6));
+            expected.push(navigation);
+        }
+        if k > 0 {
+            // scaled, since variances span twenty decades
+            let d = DMatrix::from_diagonal(&predicted.diagonal().map(|v| 1.0 / v.sqrt()));
+            let inverse = &d * (&d * predicted * &d).try_inverse().expect("definite") * &d;
+            s = &filtered[k - 1] * f.transpose() * inverse * (s + change);
+        }
+    }
+    expected.reverse();
+    let smoothed = both.smoother.finish();
+    assert_eq!(smoothed.len(), expected.len());
+    for (got, want) in smoothed.iter().zip(&expected) {
+        assert!(got.navigation.attitude.angle_to(&want.attitude) < 1e-9, "{} s", got.time);
+        assert!((got.navigation.velocity - want.velocity).norm() < 1e-8, "{} s", got.time);
+        assert!((got.navigation.height - want.height).abs() < 1e-7, "{} s", got.time);
+    }
+}
+
+#[test]
+fn a_closed_loop_is_smoothed_as_in_the_textbook() {
+    smoothed_as_in_the_textbook(false);
+}
+
+#[test]
+fn a_pass_with_held_parameters_is_smoothed_as_in_the_textbook() {
+    smoothed_as_in_the_textbook(true);
+}
