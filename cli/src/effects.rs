@@ -5,6 +5,7 @@ use std::fmt::Write;
 use clap::Args;
 use sinscal::{EFFECTS, EffectInfo};
 
+use crate::figures::significant;
 use crate::output;
 
 /// List the effects: parameters, units, priors, equations
@@ -27,7 +28,7 @@ fn describe(effect: &EffectInfo, text: &mut String) {
     let prior = if components.is_empty() {
         "-".to_owned()
     } else {
-        format!("{:.4} {}", effect.prior_sigma / effect.sheet_scale, effect.sheet_unit)
+        format!("{} {}", significant(effect.prior_sigma / effect.sheet_scale), effect.sheet_unit)
     };
     // Writing to a string does not fail.
     let _ = writeln!(

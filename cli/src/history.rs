@@ -65,7 +65,7 @@ impl History {
         let sigmas = self.points.iter().skip(parameter).step_by(self.width.max(1)).map(|(_, sigma)| *sigma);
         let sigmas: Vec<f64> = sigmas.collect();
         let last = *sigmas.last()?;
-        let unsettled = sigmas.iter().rposition(|sigma| !(*sigma <= CONVERGED * last));
+        let unsettled = sigmas.iter().rposition(|sigma| sigma.is_nan() || *sigma > CONVERGED * last);
         let first = unsettled.map_or(0, |index| index + 1);
         self.times.get(first).map(|time| time - start)
     }

@@ -5,6 +5,7 @@
 
 mod calibrate;
 mod effects;
+mod figures;
 mod filters;
 mod history;
 mod log;

@@ -1,1 +1,41 @@
-//! The simulator.
+//! Simulates a strapdown inertial unit on a turntable: motion, sensors with every effect of the catalogue, surroundings.
+//!
+//! A [`Scenario`] says what is simulated, a seed which unit of its population. [`Simulation`] is an iterator over the samples of
+//! the log, in memory that does not grow with its length; its [`truth`](Simulation::truth) and
+//! [`description`](Simulation::description) give the files that go beside the table.
+//!
+//! ```
+//! use rig::{Scenario, Simulation};
+//!
+//! let scenario = Scenario::parse("[motion]\npath = \"still\"\nduration = \"10 s\"")?;
+//! let simulation = Simulation::new(&scenario, 1)?;
+//! println!("{}{}", simulation.description().to_toml(), simulation.truth().to_json());
+//! assert_eq!(simulation.count(), 500);
+//! # Ok::<(), rig::ScenarioError>(())
+//! ```
+//!
+//! This crate does no input or output, and shares with the filters only the Earth, the catalogue of names and the types of a
+//! sample: the errors of the sensors are written out anew.
+
+pub mod analyses;
+mod description;
+mod dither;
+mod environment;
+mod mechanics;
+pub mod motion;
+mod noise;
+pub mod random;
+pub mod scenario;
+mod sensors;
+mod simulate;
+mod truth;
+
+pub use description::Description;
+pub use dither::DitherMotion;
+pub use environment::{Amplitudes, TemperaturePlan, TemperatureProfile};
+pub use mechanics::{Felt, Place};
+pub use noise::NoiseFigures;
+pub use scenario::{DEFAULT_SCENARIO, DitherMode, DitherPlan, Fault, Scenario, ScenarioError};
+pub use sensors::size_effect;
+pub use simulate::Simulation;
+pub use truth::Truth;

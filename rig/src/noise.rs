@@ -21,7 +21,7 @@ pub struct NoiseFigures {
 
 /// The noise of a triad as it comes along.
 #[derive(Clone, Debug)]
-pub struct Noise {
+pub(crate) struct Noise {
     figures: NoiseFigures,
     white: Stream,
     instability: Stream,
@@ -40,7 +40,7 @@ pub struct Noise {
 
 impl Noise {
     /// The noise of triad `name` of unit `seed`, in steps of `dt` seconds.
-    pub fn new(figures: &NoiseFigures, seed: u64, name: &str, dt: f64) -> Self {
+    pub(crate) fn new(figures: &NoiseFigures, seed: u64, name: &str, dt: f64) -> Self {
         let stream = |what: &str| Stream::new(seed, &format!("noise/{name}-{what}"));
         let mut instability = stream("instability");
         let correlated = if figures.instability > 0.0 {
@@ -67,7 +67,7 @@ impl Noise {
 
     /// Adds the noise of one step to the increments of that step.
     #[inline]
-    pub fn add(&mut self, increments: &mut Vector3<f64>) {
+    pub(crate) fn add(&mut self, increments: &mut Vector3<f64>) {
         if self.white_step > 0.0 {
             *increments += self.white.normals() * self.white_step;
         }

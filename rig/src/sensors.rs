@@ -5,15 +5,32 @@
 //! mistake in them. The delay has no formula here at all, the accelerometers are given the motion of an earlier instant.
 
 use nalgebra::{Matrix3, Vector3};
-use sinscal::Signals;
 
+use crate::mechanics::Felt;
 use crate::truth::Truth;
 
 type V = Vector3<f64>;
 
+/// Motion and surroundings at one instant, as the sensors meet them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Conditions {
+    /// What an ideal unit feels.
+    pub(crate) felt: Felt,
+    /// Of each accelerometer above the reference temperature, K.
+    pub(crate) temperature: V,
+    /// Its derivative, K/s.
+    pub(crate) temperature_rate: V,
+    /// Of each gyro above the reference temperature, K.
+    pub(crate) gyro_temperature: V,
+    /// Half the squares of the dither's amplitudes, (rad/s)^2, where its mean is what counts.
+    pub(crate) dither: V,
+    /// Time since the first sample, s.
+    pub(crate) time: f64,
+}
+
 /// The errors of one unit, named as in the catalogue of effects.
 #[derive(Clone, Debug, Default)]
-pub struct Errors {
+pub(crate) struct Errors {
     gyro_matrix: Matrix3<f64>,
     gyro_bias: V,
     gyro_bias_drift: V,
@@ -38,7 +55,7 @@ pub struct Errors {
 
 impl Errors {
     /// The errors of a unit with the parameters `truth`.
-    pub fn new(truth: &Truth) -> Self {
+    pub(crate) fn new(truth: &Truth) -> Self {
         let three = |name: &str| truth.vector(name);
         let of = |name: &str, i: usize| truth.value(name, i);
         let scale = Matrix3::from_diagonal(&three("gyro-scale"));
@@ -74,20 +91,20 @@ impl Errors {
     }
 
     /// Where the accelerometers sit: row i is the position of accelerometer i, m.
-    pub fn arms(&self) -> &Matrix3<f64> {
+    pub(crate) fn arms(&self) -> &Matrix3<f64> {
         &self.arms
     }
 
     /// What the gyros read, rad/s.
     #[inline]
-    pub fn gyros(&self, s: &Signals<f64>) -> V {
-        let w = &s.rate;
+    pub(crate) fn gyros(&self, s: &Conditions) -> V {
+        let w = &s.felt.rate;
         let size = w.abs();
         w + self.gyro_matrix * w
             + self.gyro_bias
             + self.gyro_bias_drift * s.time
             + self.gyro_temperature_bias.component_mul(&s.gyro_temperature)
-            + self.gyro_g_sensitivity.component_mul(&s.force)
+            + self.gyro_g_sensitivity.component_mul(&s.felt.force)
             + self.gyro_scale_asymmetry.component_mul(&size)
             + self.gyro_rate_nonlinearity.component_mul(&w.component_mul(&size))
     }
@@ -95,11 +112,12 @@ impl Errors {
     /// What the accelerometers read, m/s^2, of the signals at the instant that they feel. Each one reads the specific force at
     /// its own place.
     #[inline]
-    pub fn accelerometers(&self, s: &Signals<f64>) -> V {
+    pub(crate) fn accelerometers(&self, s: &Conditions) -> V {
         let f = if self.has_arms {
-            s.force + size_effect(&self.arms, &s.rate, &s.angular_acceleration) + self.dither(&s.dither)
+            let Felt { rate, angular_acceleration, force } = &s.felt;
+            force + size_effect(&self.arms, rate, angular_acceleration) + self.dither(&s.dither)
         } else {
-            s.force
+            s.felt.force
         };
         let square = f.component_mul(&f);
         let cross = V::new(f.y * f.z, f.x * f.z, f.x * f.y);
@@ -141,11 +159,14 @@ mod tests {
     use super::*;
     use crate::random::Stream;
 
-    fn signals(random: &mut Stream) -> Signals<f64> {
-        Signals {
+    fn conditions(random: &mut Stream) -> Conditions {
+        let felt = Felt {
             rate: random.normals(),
             angular_acceleration: random.normals(),
             force: random.normals() * 5.0,
+        };
+        Conditions {
+            felt,
             temperature: random.normals() * 10.0,
             temperature_rate: random.normals() * 0.01,
             gyro_temperature: random.normals() * 10.0,
@@ -154,25 +175,35 @@ mod tests {
         }
     }
 
+    fn signals(at: &Conditions) -> Signals<f64> {
+        Signals {
+            rate: at.felt.rate,
+            angular_acceleration: at.felt.angular_acceleration,
+            force: at.felt.force,
+            temperature: at.temperature,
+            temperature_rate: at.temperature_rate,
+            gyro_temperature: at.gyro_temperature,
+            dither: at.dither,
+            coupled_dither: at.dither,
+            time: at.time,
+        }
+    }
+
     /// Compares the hand-written error of one effect with the Jacobian that filters use.
     fn compare<B: Block<Dynamics = Strapdown>>(effect: &str) {
         let info = sinscal::effect(effect).unwrap();
         let mut random = Stream::new(1, effect);
         for _ in 0..50 {
-            let s = signals(&mut random);
+            let at = conditions(&mut random);
             let small = 1e-7;
             let values: Vec<f64> = info.components().iter().map(|_| small * random.normal()).collect();
             let mut expected = [0.0; 6];
-            B::input_jacobian(&s, &mut |input, i, value: f64| expected[input] += value * values[i]);
+            B::input_jacobian(&signals(&at), &mut |input, i, value: f64| expected[input] += value * values[i]);
             let mut truth = Truth::default();
             truth.insert(info, values);
             let errors = Errors::new(&truth);
-            let mut at = s;
-            if effect == "inner-lever-arm-tangential" {
-                at.dither = V::zeros();
-            }
-            let gyros = errors.gyros(&at) - s.rate;
-            let accelerometers = errors.accelerometers(&at) - s.force;
+            let gyros = errors.gyros(&at) - at.felt.rate;
+            let accelerometers = errors.accelerometers(&at) - at.felt.force;
             for i in 0..3 {
                 let scale = 1e-7 * small.max(expected[i].abs()).max(expected[3 + i].abs()) + 1e-14;
                 assert!((gyros[i] - expected[i]).abs() < scale, "{effect}: {} {}", gyros[i], expected[i]);

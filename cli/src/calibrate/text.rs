@@ -7,6 +7,7 @@ use std::time::Duration;
 use sinscal::Parameter;
 
 use super::run::Outcome;
+use crate::figures::{decimals, significant};
 
 /// NIS per degree of freedom of a filter whose model and noise agree with the data: 1, give or take what a few per cent
 /// of unmodelled noise make of it.
@@ -89,25 +90,6 @@ fn figures(parameter: &Parameter) -> [String; 2] {
     let (value, sigma) = (parameter.value / scale, parameter.sigma / scale);
     let digits = decimals(sigma);
     [format!("{value:.digits$}"), format!("{sigma:.digits$}")]
-}
-
-/// Decimals that show two figures of a number.
-fn decimals(number: f64) -> usize {
-    if number > 0.0 && number.is_finite() {
-        (1.0 - number.log10().floor()).clamp(0.0, 12.0) as usize
-    } else {
-        2
-    }
-}
-
-/// A number to about three figures.
-fn significant(number: f64) -> String {
-    let digits = (decimals(number) + 1).min(12);
-    let text = format!("{number:.digits$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
 }
 
 /// Estimates and sigmas over time, as comma-separated text in SI units.

@@ -199,7 +199,9 @@ impl Description {
 fn read_site(doc: &mut Document<'_>, root: &DeTable<'_>) -> Option<Site> {
     let Some(section) = doc.section(root, "site", Some(SITE)) else {
         if !root.contains_key("site") {
-            doc.lack(None, "site", "give [site] latitude_deg, longitude_deg and height_m: gravity and the Earth's rate depend on them");
+            let help = "give [site] latitude_deg, longitude_deg and height_m: gravity and the Earth's rate \
+                        depend on them";
+            doc.lack(None, "site", help);
         }
         return None;
     };
@@ -308,7 +310,18 @@ fn read_priors(doc: &mut Document<'_>, section: Section<'_>) -> Vec<(&'static st
             }
         };
         if let (Some(sigma), Some(scale)) = (sigma, scale) {
-            priors.push((effect, sigma * scale));
+            let si_sigma = sigma * scale;
+            // The filter squares it.
+            if (si_sigma * si_sigma).is_normal() {
+                priors.push((effect, si_sigma));
+            } else {
+                doc.refuse(
+                    key.span(),
+                    &field,
+                    &format!("is {si_sigma:e} {si}: no filter can compute with this"),
+                    None,
+                );
+            }
         }
     }
     priors

@@ -14,7 +14,7 @@ use super::units::sheet::DEG_PER_SQRT_HOUR;
 pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
 /// A step longer than this many sampling intervals is a gap.
 const LONGEST_STEP: f64 = 1.5;
-/// The median step may differ from the nominal interval by this fraction.
+/// Median and mean step may differ from the nominal interval by this fraction.
 const RATE_TOLERANCE: f64 = 0.02;
 /// Fewer steps than this say nothing about the rate.
 const STEPS_FOR_RATE: usize = 8;
@@ -94,10 +94,13 @@ impl Checker {
         let steps = batch.times().windows(2).map(|pair| pair[1] - pair[0]);
         let mut steps: Vec<f64> = steps.filter(|step| step.is_finite()).collect();
         if steps.len() >= STEPS_FOR_RATE {
+            // The mean suffers from gaps, the median from times rounded to few digits; a wrong rate shows in both.
+            let mean = steps.iter().sum::<f64>() / steps.len() as f64;
             let middle = steps.len() / 2;
             let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
             let median = *median;
-            if median > 0.0 && (median / self.interval - 1.0).abs() > RATE_TOLERANCE {
+            let wrong = |step: f64| (step / self.interval - 1.0).abs() > RATE_TOLERANCE;
+            if median > 0.0 && wrong(median) && wrong(mean) {
                 let problem = format!(
                     "rows {} to {} are {median:.6} s apart ({:.3} Hz), the description says {:.3} Hz",
                     rows.0,

@@ -8,13 +8,13 @@ use sinscal::Sample;
 use super::{Bridged, Log, LogError};
 use support::{DESCRIPTION, Done, RATE, Table};
 
-#[path = "../../tests/support/mod.rs"]
+#[path = "../../tests/program/support.rs"]
 mod support;
 
 fn read(log: &Log) -> Result<(Vec<Sample>, Bridged), LogError> {
     let mut samples = log.samples()?;
     let mut read = Vec::new();
-    while let Some(sample) = samples.next() {
+    for sample in samples.by_ref() {
         read.push(sample?);
     }
     Ok((read, samples.bridged()))
@@ -210,6 +210,23 @@ fn all_faults_of_a_description_are_found_at_once() -> Done {
     ] {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }
+    Ok(())
+}
+
+#[test]
+fn times_rounded_to_milliseconds_are_no_wrong_rate() -> Done {
+    let folder = tempfile::tempdir()?;
+    let mut table = Table::at_rest(500);
+    table.map("time_s", |row, _| (row as f64 * 3.5).round() / 1000.0);
+    table.map("dvel_z", |_, _| 9.7946 * 0.0035);
+    table.map("dtheta_*", |_, value| value * RATE * 0.0035);
+    let quick = DESCRIPTION.replace("rate_hz = 50.0", "rate_hz = 285.714286");
+    write(folder.path(), &table, &quick)?;
+    assert_eq!(read(&Log::open(&folder.path().join("p"))?)?.0.len(), 500);
+    write(folder.path(), &table, &quick.replace("285.7", "295.7"))?;
+    assert!(
+        read(&Log::open(&folder.path().join("p"))?).is_err_and(|error| error.to_string().contains("time_s"))
+    );
     Ok(())
 }
 

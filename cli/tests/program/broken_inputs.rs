@@ -6,9 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use support::{DESCRIPTION, Done, RATE, Table};
-
-mod support;
+use crate::support::{DESCRIPTION, Done, RATE, Table};
 
 const NAN: f64 = f64::NAN;
 
@@ -97,6 +95,10 @@ fn descriptions() -> Vec<Case> {
             &["`prior.accel-bias.unit`: `mm` is not a unit", "accepted: m/s^2, g, mg, ug"],
         ),
         (Toml("sigma = 300.0", "sigma = 0.0"), &["`prior.accel-bias.sigma`: is 0"]),
+        (
+            Toml("sigma = 300.0", "sigma = 1e200"),
+            &["`prior.accel-bias`: is 9.8", "no filter can compute with this"],
+        ),
         (Toml("sigma = 300.0, ", ""), &["`prior.accel-bias.sigma`: is missing"]),
         (Toml("{ sigma = 300.0, unit = \"ug\" }", "300.0"), &["must give a sigma and its unit"]),
         (Toml("rate_hz = 50.0", "rate_hz = 50.0\nrate_hz = 50.0"), &["line 4: is not valid TOML"]),
@@ -371,27 +373,37 @@ fn several_faulty_rows_are_all_named() -> Done {
     Ok(())
 }
 
-/// Flips bytes all over a Parquet file: it is read as it was, or refused; the program never fails in another way.
+/// Flips bytes all over each file of a log: it is read or refused; the program never fails in another way.
 #[test]
-fn damaged_parquet_never_breaks_the_program() -> Done {
-    let folder = tempfile::tempdir()?;
-    let path = folder.path().join("log.parquet");
-    fs::write(folder.path().join("log.toml"), DESCRIPTION)?;
-    Table::at_rest(40).write_parquet(&path, None)?;
-    let sound = fs::read(&path)?;
-    let mut state = 1_u64;
-    for round in 0..60 {
-        let mut bytes = sound.clone();
-        for _ in 0..=round % 3 {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let place = (state >> 33) as usize % bytes.len();
-            bytes[place] ^= (state >> 24) as u8 | 1;
+fn damaged_files_never_break_the_program() -> Done {
+    for damaged in ["log.parquet", "log.csv", "log.toml"] {
+        let folder = tempfile::tempdir()?;
+        fs::write(folder.path().join("log.toml"), DESCRIPTION)?;
+        if damaged == "log.parquet" {
+            Table::at_rest(40).write_parquet(&folder.path().join(damaged), None)?;
+        } else {
+            Table::at_rest(40).write_csv(&folder.path().join("log.csv"))?;
         }
-        fs::write(&path, bytes)?;
-        let output = program(&path, folder.path())?;
-        let message = String::from_utf8_lossy(&output.stderr);
-        assert!(matches!(output.status.code(), Some(0 | 1)), "round {round}: {:?} {message}", output.status);
-        assert!(!message.contains("panicked"), "round {round}: {message}");
+        let path = folder.path().join(damaged);
+        let sound = fs::read(&path)?;
+        let mut state = 1_u64;
+        for round in 0..60 {
+            let mut bytes = sound.clone();
+            for _ in 0..=round % 3 {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let place = (state >> 33) as usize % bytes.len();
+                bytes[place] ^= (state >> 24) as u8 | 1;
+            }
+            fs::write(&path, bytes)?;
+            let output = program(&folder.path().join("log"), folder.path())?;
+            let message = String::from_utf8_lossy(&output.stderr);
+            assert!(
+                matches!(output.status.code(), Some(0 | 1)),
+                "{damaged}, round {round}: {:?} {message}",
+                output.status
+            );
+            assert!(!message.contains("panicked"), "{damaged}, round {round}: {message}");
+        }
     }
     Ok(())
 }

@@ -5,9 +5,7 @@ use std::io::Read;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use support::{DESCRIPTION, Done, Table};
-
-mod support;
+use crate::support::{DESCRIPTION, Done, Table};
 
 fn sinscal(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sinscal"));
@@ -147,7 +145,8 @@ fn results_go_to_files_and_forms_and_passes_agree_to_run() -> Done {
 #[test]
 fn without_an_initial_attitude_it_is_found_or_asked_for() -> Done {
     let folder = tempfile::tempdir()?;
-    let initial = "[initial]\nquaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\nlevel_sigma_deg = 0.05\nheading_sigma_deg = 0.2\n";
+    let initial = "[initial]\nquaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\n\
+                   level_sigma_deg = 0.05\nheading_sigma_deg = 0.2\n";
     assert!(DESCRIPTION.contains(initial));
     let found = log(folder.path(), &DESCRIPTION.replace(initial, ""))?;
     let output = calibrate(&found, &[])?;

@@ -1,0 +1,5 @@
+//! Tests that run the built program.
+
+mod broken_inputs;
+mod commands;
+mod support;

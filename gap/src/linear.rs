@@ -1,0 +1,337 @@
+//! Any filter about a recorded trajectory, and the price of every effect it lacks, in one linear run.
+
+use crate::recording::{CORE, Recording, Step};
+
+/// Factors on the stated standard deviations of the noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// On the angle random walk.
+    pub gyro: f64,
+    /// On the velocity random walk.
+    pub accel: f64,
+    /// On the standard deviations of the reference.
+    pub reference: f64,
+}
+
+impl Noise {
+    /// As stated.
+    pub const STATED: Self = Self { gyro: 1.0, accel: 1.0, reference: 1.0 };
+}
+
+/// A column priced beside the filter: how an unmodelled unit constant enters each step.
+pub(crate) trait Priced {
+    fn count(&self) -> usize;
+    /// Effect on the leading states over step `at` (9 rows), and on its measurements.
+    fn fill(&self, at: usize, step: &Step, width: usize, gamma: &mut [f64], direct: &mut [f64]);
+}
+
+/// Columns of the recording itself.
+pub(crate) struct Recorded<'a>(pub(crate) &'a [usize]);
+
+impl Priced for Recorded<'_> {
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    fn fill(&self, _: usize, step: &Step, width: usize, gamma: &mut [f64], direct: &mut [f64]) {
+        // both matrices have a first column of another meaning
+        let nc = self.0.len() + 1;
+        for i in 0..CORE {
+            let row = &step.rows[i * width + CORE..];
+            for (out, c) in gamma[i * nc + 1..(i + 1) * nc].iter_mut().zip(self.0) {
+                *out = row[*c];
+            }
+        }
+        for m in 0..step.z.len() {
+            let row = &step.h[m * (width - 1) + CORE..];
+            for (out, c) in direct[m * nc + 1..(m + 1) * nc].iter_mut().zip(self.0) {
+                *out = row[*c];
+            }
+        }
+    }
+}
+
+/// What a linear run found. `gram` is `Y'Y` of the whitened innovations and sensitivities, (1 + priced)^2: entry (0, 0)
+/// is the normalised innovation squared, the rest of row 0 the score b, the rest the information Lambda.
+#[derive(Clone, Debug)]
+pub(crate) struct Found {
+    pub(crate) log_likelihood: f64,
+    pub(crate) degrees_of_freedom: usize,
+    pub(crate) gram: Vec<f64>,
+    /// Estimates of the estimated columns, truth (not what remains), with their standard deviations.
+    pub(crate) estimate: Vec<(f64, f64)>,
+}
+
+/// The whitened rows of one update: `rows` x (1 + priced).
+pub(crate) struct Whitened<'a> {
+    pub(crate) step: &'a Step,
+    pub(crate) rows: &'a [f64],
+}
+
+/// Runs the filter with the columns `estimated` about the trajectory of `recording`, under `noise`, and prices `priced`
+/// beside it. Columns in neither are zero in truth.
+///
+/// With F, H, K of the filter, `U = F V + Gamma`, `S = H U + D`, `V = U - K S` carry the sensitivity of the estimation
+/// error to each unmodelled constant (Friedland's separate bias, exact); the estimate goes with them as one more column.
+pub(crate) fn run(
+    recording: &Recording,
+    estimated: &[usize],
+    priced: &dyn Priced,
+    noise: &Noise,
+    watch: &mut dyn FnMut(&Whitened),
+) -> Option<Found> {
+    let columns = &recording.columns;
+    let np = columns.len();
+    let width = CORE + np + 1;
+    let n = CORE + estimated.len();
+    let nc = 1 + priced.count();
+    let mut is_estimated = vec![false; np];
+    for &i in estimated {
+        is_estimated[i] = true;
+    }
+    // what is not estimated is zero in truth: its remaining error is minus the linearisation point
+    let known: Vec<usize> = (0..np).filter(|&i| !is_estimated[i] && columns[i].about != 0.0).collect();
+
+    let mut p = vec![0.0; n * n];
+    let mut w = vec![0.0; n * nc];
+    for i in 0..CORE {
+        p[i * n + i] = recording.start[i] * recording.start[i];
+    }
+    for (k, &i) in estimated.iter().enumerate() {
+        let at = CORE + k;
+        p[at * n + at] = columns[i].prior * columns[i].prior;
+        w[at * nc] = columns[i].about;
+    }
+    let relaxing: Vec<(usize, f64, f64)> = recording
+        .relaxing
+        .iter()
+        .filter_map(|r| estimated.iter().position(|i| *i == r.0).map(|k| (CORE + k, r.1, r.2)))
+        .collect();
+    let mut a = vec![0.0; CORE * n];
+    let mut moved = vec![0.0; CORE * n];
+    let mut gamma = vec![0.0; CORE * nc];
+    let mut gram = vec![0.0; nc * nc];
+    let mut log_likelihood = 0.0;
+    let mut degrees_of_freedom = 0;
+    let (gyro, accel) = (noise.gyro * noise.gyro, noise.accel * noise.accel);
+    let reference = noise.reference * noise.reference;
+    let mut h = Vec::new();
+    let mut direct = Vec::new();
+    let mut y = Vec::new();
+    let mut s = Vec::new();
+    let mut yp = Vec::new();
+    for (at, step) in recording.steps.iter().enumerate() {
+        let ms = step.z.len();
+        gamma.fill(0.0);
+        direct.clear();
+        direct.resize(ms * nc, 0.0);
+        priced.fill(at, step, width, &mut gamma, &mut direct);
+        // time: F = [a; 0 I]
+        for i in 0..CORE {
+            let row = &step.rows[i * width..(i + 1) * width];
+            a[i * n..i * n + CORE].copy_from_slice(&row[..CORE]);
+            for (k, &c) in estimated.iter().enumerate() {
+                a[i * n + CORE + k] = row[CORE + c];
+            }
+            let mut input = row[width - 1];
+            for &c in &known {
+                input -= row[CORE + c] * columns[c].about;
+            }
+            gamma[i * nc] = -input;
+        }
+        multiply(&a, &w, CORE, n, nc, &mut gamma);
+        w[..CORE * nc].copy_from_slice(&gamma);
+        moved.fill(0.0);
+        multiply(&a, &p, CORE, n, n, &mut moved);
+        for i in 0..CORE {
+            for l in 0..=i {
+                let q = gyro * step.gyro_noise[i * CORE + l] + accel * step.accel_noise[i * CORE + l];
+                let value = q + dot(&moved[i * n..(i + 1) * n], &a[l * n..(l + 1) * n]);
+                p[i * n + l] = value;
+                p[l * n + i] = value;
+            }
+            for j in CORE..n {
+                p[i * n + j] = moved[i * n + j];
+                p[j * n + i] = moved[i * n + j];
+            }
+        }
+        for &(state, rate, density) in &relaxing {
+            relax(&mut p, &mut w, n, nc, state, rate, density, step.elapsed);
+        }
+        // measurement
+        h.clear();
+        h.resize(ms * n, 0.0);
+        for m in 0..ms {
+            let row = &step.h[m * (width - 1)..(m + 1) * (width - 1)];
+            h[m * n..m * n + CORE].copy_from_slice(&row[..CORE]);
+            for (k, &c) in estimated.iter().enumerate() {
+                h[m * n + CORE + k] = row[CORE + c];
+            }
+            let mut z = step.z[m];
+            for &c in &known {
+                z += row[CORE + c] * columns[c].about;
+            }
+            direct[m * nc] = z;
+        }
+        y.clear();
+        y.extend_from_slice(&direct);
+        multiply(&h, &w, ms, n, nc, &mut y);
+        yp.clear();
+        yp.resize(ms * n, 0.0);
+        multiply(&h, &p, ms, n, n, &mut yp);
+        s.clear();
+        s.resize(ms * ms, 0.0);
+        for i in 0..ms {
+            for j in 0..=i {
+                s[i * ms + j] = dot(&yp[i * n..(i + 1) * n], &h[j * n..(j + 1) * n]);
+            }
+            s[i * ms + i] += step.r[i] * reference;
+        }
+        let log_det = whiten(&mut s, ms, &mut yp, n, &mut y, nc)?;
+        let nis: f64 = (0..ms).map(|m| y[m * nc] * y[m * nc]).sum();
+        if !nis.is_finite() {
+            return None;
+        }
+        log_likelihood -= 0.5 * (nis + log_det + ms as f64 * core::f64::consts::TAU.ln());
+        degrees_of_freedom += ms;
+        subtract_outer(&yp, &yp, ms, n, n, &mut p);
+        subtract_outer(&yp, &y, ms, n, nc, &mut w);
+        for m in 0..ms {
+            let row = &y[m * nc..(m + 1) * nc];
+            for i in 0..nc {
+                let v = row[i];
+                for (g, x) in gram[i * nc + i..(i + 1) * nc].iter_mut().zip(&row[i..]) {
+                    *g += v * x;
+                }
+            }
+        }
+        watch(&Whitened { step, rows: &y });
+    }
+    for i in 0..nc {
+        for j in 0..i {
+            gram[i * nc + j] = gram[j * nc + i];
+        }
+    }
+    let estimate = estimated
+        .iter()
+        .enumerate()
+        .map(|(k, &c)| {
+            let i = CORE + k;
+            // column 0 carries minus the estimate of what remains
+            (columns[c].about - w[i * nc], p[i * n + i].max(0.0).sqrt())
+        })
+        .collect();
+    Some(Found { log_likelihood, degrees_of_freedom, gram, estimate })
+}
+
+/// `out += a b`, a of `rows` x `inner`, b of `inner` x `cols`, two rows of b at a time.
+#[inline]
+fn multiply(a: &[f64], b: &[f64], rows: usize, inner: usize, cols: usize, out: &mut [f64]) {
+    for i in 0..rows {
+        let out = &mut out[i * cols..(i + 1) * cols];
+        let a = &a[i * inner..(i + 1) * inner];
+        let mut k = 0;
+        while k + 4 <= inner {
+            let (a0, a1, a2, a3) = (a[k], a[k + 1], a[k + 2], a[k + 3]);
+            if a0 != 0.0 || a1 != 0.0 || a2 != 0.0 || a3 != 0.0 {
+                let b0 = &b[k * cols..(k + 1) * cols];
+                let b1 = &b[(k + 1) * cols..(k + 2) * cols];
+                let b2 = &b[(k + 2) * cols..(k + 3) * cols];
+                let b3 = &b[(k + 3) * cols..(k + 4) * cols];
+                for j in 0..cols {
+                    out[j] += a0 * b0[j] + a1 * b1[j] + a2 * b2[j] + a3 * b3[j];
+                }
+            }
+            k += 4;
+        }
+        while k < inner {
+            for (o, b) in out.iter_mut().zip(&b[k * cols..(k + 1) * cols]) {
+                *o += a[k] * b;
+            }
+            k += 1;
+        }
+    }
+}
+
+/// `out -= a' b`, a of `rows` x `n`, b of `rows` x `cols`.
+#[inline]
+fn subtract_outer(a: &[f64], b: &[f64], rows: usize, n: usize, cols: usize, out: &mut [f64]) {
+    for i in 0..n {
+        let out = &mut out[i * cols..(i + 1) * cols];
+        let mut m = 0;
+        while m + 3 <= rows {
+            let (a0, a1, a2) = (a[m * n + i], a[(m + 1) * n + i], a[(m + 2) * n + i]);
+            let b0 = &b[m * cols..(m + 1) * cols];
+            let b1 = &b[(m + 1) * cols..(m + 2) * cols];
+            let b2 = &b[(m + 2) * cols..(m + 3) * cols];
+            for j in 0..cols {
+                out[j] -= a0 * b0[j] + a1 * b1[j] + a2 * b2[j];
+            }
+            m += 3;
+        }
+        while m < rows {
+            let v = a[m * n + i];
+            for (o, b) in out.iter_mut().zip(&b[m * cols..(m + 1) * cols]) {
+                *o -= v * b;
+            }
+            m += 1;
+        }
+    }
+}
+
+#[inline]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Cholesky factor of `s`, applied to the rows of `yp` and `y`; `ln det s`, or nothing when it is not positive definite.
+fn whiten(s: &mut [f64], m: usize, yp: &mut [f64], n: usize, y: &mut [f64], nc: usize) -> Option<f64> {
+    let mut log_det = 0.0;
+    for i in 0..m {
+        for j in 0..=i {
+            let mut sum = s[i * m + j];
+            for k in 0..j {
+                sum -= s[i * m + k] * s[j * m + k];
+            }
+            if i == j {
+                if !(sum > 0.0) {
+                    return None;
+                }
+                s[i * m + i] = sum.sqrt();
+                log_det += sum.ln();
+            } else {
+                s[i * m + j] = sum / s[j * m + j];
+            }
+        }
+    }
+    for (matrix, cols) in [(yp, n), (y, nc)] {
+        for i in 0..m {
+            let (done, rest) = matrix.split_at_mut(i * cols);
+            let row = &mut rest[..cols];
+            for k in 0..i {
+                let factor = s[i * m + k];
+                for (r, d) in row.iter_mut().zip(&done[k * cols..(k + 1) * cols]) {
+                    *r -= factor * d;
+                }
+            }
+            let inverse = 1.0 / s[i * m + i];
+            for r in row {
+                *r *= inverse;
+            }
+        }
+    }
+    Some(log_det)
+}
+
+#[allow(clippy::too_many_arguments, reason = "one line of the loop, out of its way")]
+fn relax(p: &mut [f64], w: &mut [f64], n: usize, nc: usize, i: usize, rate: f64, density: f64, dt: f64) {
+    let fade = calib_core::Fade::over(calib_core::Relaxation { rate, density }, i, dt);
+    for j in 0..n {
+        p[i * n + j] *= fade.keep;
+        p[j * n + i] *= fade.keep;
+    }
+    p[i * n + i] += fade.variance;
+    for v in &mut w[i * nc..(i + 1) * nc] {
+        *v *= fade.keep;
+    }
+}

@@ -1,0 +1,287 @@
+//! What a pass of the filter did, kept so that every other filter about the same trajectory is a linear run.
+
+use calib_core::{Array, CoreVector, Filter, Residuals, Shape, StateInfo, Transition, Vector, measurement_rows};
+use nalgebra::Vector3;
+use sinscal::{Observer, Point, Signals, Strapdown};
+
+/// Leading states of a strapdown filter: attitude, velocity, position.
+pub(crate) const CORE: usize = 9;
+const SQUARE: usize = CORE * CORE;
+
+/// A parameter of the recorded filter, base or candidate.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// Name, component and unit.
+    pub info: StateInfo,
+    /// Prior standard deviation; zero when the column takes no part.
+    pub prior: f64,
+    /// Whether it belongs to the declared base filter.
+    pub base: bool,
+    /// Value about which the pass was linearised.
+    pub about: f64,
+}
+
+/// From one measurement to the next: how the leading states moved, and what was measured at the end.
+#[derive(Clone, Debug)]
+pub(crate) struct Step {
+    pub(crate) time: f64,
+    pub(crate) elapsed: f64,
+    /// 9 x (9 + parameters + 1): `[Phi Psi known]`; the known input is what was fed back.
+    pub(crate) rows: Vec<f64>,
+    pub(crate) gyro_noise: [f64; SQUARE],
+    pub(crate) accel_noise: [f64; SQUARE],
+    /// One row of 9 + parameters for each scalar measurement present.
+    pub(crate) h: Vec<f64>,
+    pub(crate) z: Vec<f64>,
+    pub(crate) r: Vec<f64>,
+    /// Channel of the dynamics of each measurement.
+    pub(crate) channel: Vec<usize>,
+    pub(crate) motion: Motion,
+}
+
+/// What the unit did at the end of a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    pub(crate) rate: Vector3<f64>,
+    pub(crate) force: Vector3<f64>,
+    pub(crate) temperature: Vector3<f64>,
+    pub(crate) temperature_rate: Vector3<f64>,
+    pub(crate) dither: Vector3<f64>,
+}
+
+/// A pass over a log, linearised about one trajectory, with all candidates' columns.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    pub(crate) columns: Vec<Column>,
+    /// Prior standard deviations of the leading states.
+    pub(crate) start: [f64; CORE],
+    pub(crate) steps: Vec<Step>,
+    /// Parameters that are not constant: column, inverse correlation time, noise density.
+    pub(crate) relaxing: Vec<(usize, f64, f64)>,
+}
+
+impl Recording {
+    /// The parameters, in the order of the declaration, the candidates after those of the base filter.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// Number of measurement updates.
+    pub fn updates(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Time of the first and of the last update, s.
+    pub fn span(&self) -> (f64, f64) {
+        match (self.steps.first(), self.steps.last()) {
+            (Some(first), Some(last)) => (first.time, last.time),
+            _ => (0.0, 0.0),
+        }
+    }
+
+    /// Columns of the base filter that take part.
+    pub(crate) fn base(&self) -> Vec<usize> {
+        (0..self.columns.len()).filter(|&i| self.columns[i].base && self.columns[i].prior > 0.0).collect()
+    }
+
+    /// Candidate columns that take part.
+    pub(crate) fn candidates(&self) -> Vec<usize> {
+        (0..self.columns.len()).filter(|&i| !self.columns[i].base && self.columns[i].prior > 0.0).collect()
+    }
+
+    /// The recording with every `keep`-th update only: for what need not use all of them.
+    pub(crate) fn decimated(&self, keep: usize) -> Self {
+        let mut steps = Vec::with_capacity(self.steps.len() / keep + 1);
+        let mut open = Interval::new(self.columns.len());
+        for (i, step) in self.steps.iter().enumerate() {
+            open.append(&step.rows, &step.gyro_noise, &step.accel_noise, step.elapsed);
+            if i % keep == 0 {
+                let mut kept = Step { h: step.h.clone(), z: step.z.clone(), r: step.r.clone(), ..step.clone() };
+                (kept.rows, kept.gyro_noise, kept.accel_noise, kept.elapsed) = open.take();
+                steps.push(kept);
+            }
+        }
+        Self { steps, columns: self.columns.clone(), start: self.start, relaxing: self.relaxing.clone() }
+    }
+}
+
+/// Steps of the leading states joined into one.
+struct Interval {
+    width: usize,
+    rows: Vec<f64>,
+    gyro_noise: [f64; SQUARE],
+    accel_noise: [f64; SQUARE],
+    elapsed: f64,
+}
+
+impl Interval {
+    fn new(parameters: usize) -> Self {
+        let width = CORE + parameters + 1;
+        let mut new = Self {
+            width,
+            rows: Vec::new(),
+            gyro_noise: [0.0; SQUARE],
+            accel_noise: [0.0; SQUARE],
+            elapsed: 0.0,
+        };
+        new.reset();
+        new
+    }
+
+    fn reset(&mut self) {
+        self.rows = vec![0.0; CORE * self.width];
+        for i in 0..CORE {
+            self.rows[i * self.width + i] = 1.0;
+        }
+        self.gyro_noise = [0.0; SQUARE];
+        self.accel_noise = [0.0; SQUARE];
+        self.elapsed = 0.0;
+    }
+
+    /// What has been joined; the interval starts anew.
+    fn take(&mut self) -> (Vec<f64>, [f64; SQUARE], [f64; SQUARE], f64) {
+        let rows = core::mem::take(&mut self.rows);
+        let all = (rows, self.gyro_noise, self.accel_noise, self.elapsed);
+        self.reset();
+        all
+    }
+
+    fn append(&mut self, rows: &[f64], gyro: &[f64; SQUARE], accel: &[f64; SQUARE], elapsed: f64) {
+        let w = self.width;
+        let mut joined = vec![0.0; CORE * w];
+        for i in 0..CORE {
+            let out = &mut joined[i * w..(i + 1) * w];
+            for k in 0..CORE {
+                let a = rows[i * w + k];
+                if a != 0.0 {
+                    for (o, v) in out.iter_mut().zip(&self.rows[k * w..(k + 1) * w]) {
+                        *o += a * v;
+                    }
+                }
+            }
+            for j in CORE..w {
+                out[j] += rows[i * w + j];
+            }
+        }
+        self.gyro_noise = moved_noise(rows, w, &self.gyro_noise, gyro);
+        self.accel_noise = moved_noise(rows, w, &self.accel_noise, accel);
+        self.rows = joined;
+        self.elapsed += elapsed;
+    }
+
+    fn feed_back(&mut self, correction: &[f64]) {
+        for i in 0..CORE {
+            self.rows[(i + 1) * self.width - 1] -= correction[i];
+        }
+    }
+}
+
+/// `Phi Q Phi' + added`.
+fn moved_noise(rows: &[f64], w: usize, q: &[f64; SQUARE], added: &[f64; SQUARE]) -> [f64; SQUARE] {
+    if q.iter().all(|v| *v == 0.0) {
+        return *added;
+    }
+    let mut half = [0.0; SQUARE];
+    for i in 0..CORE {
+        for k in 0..CORE {
+            let a = rows[i * w + k];
+            for j in 0..CORE {
+                half[i * CORE + j] += a * q[k * CORE + j];
+            }
+        }
+    }
+    let mut out = *added;
+    for i in 0..CORE {
+        for j in 0..CORE {
+            for k in 0..CORE {
+                out[i * CORE + j] += half[i * CORE + k] * rows[j * w + k];
+            }
+        }
+    }
+    out
+}
+
+/// Watches a pass whose parameters are held and records it.
+pub(crate) struct Recorder<F: Filter<Dynamics = Strapdown>> {
+    open: Interval,
+    pub(crate) steps: Vec<Step>,
+    channels: Vec<usize>,
+    filter: core::marker::PhantomData<F>,
+}
+
+impl<F: Filter<Dynamics = Strapdown>> Recorder<F> {
+    pub(crate) fn new() -> Self {
+        let channels = (0..CORE).filter(|c| F::row(*c).is_some()).collect();
+        Self {
+            open: Interval::new(F::Shape::STATES - CORE),
+            steps: Vec::new(),
+            channels,
+            filter: core::marker::PhantomData,
+        }
+    }
+}
+
+impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Recorder<F> {
+    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
+        let w = self.open.width;
+        let mut rows = vec![0.0; CORE * w];
+        for i in 0..CORE {
+            rows[i * w..i * w + w - 1].copy_from_slice(transition.rows()[i].as_slice());
+        }
+        let part = |range: core::ops::Range<usize>| {
+            let mut d = F::Shape::core_vector(0.0);
+            for i in range {
+                d[i] = density[i];
+            }
+            let q = transition.noise(&d);
+            let mut flat = [0.0; SQUARE];
+            for i in 0..CORE {
+                flat[i * CORE..(i + 1) * CORE].copy_from_slice(q[i].as_slice());
+            }
+            flat
+        };
+        self.open.append(&rows, &part(0..3), &part(3..6), transition.elapsed());
+    }
+
+    fn measured(
+        &mut self,
+        time: f64,
+        at: &Point<f64>,
+        signals: &Signals<f64>,
+        residuals: &Residuals<F, f64>,
+    ) {
+        let matrix = measurement_rows::<F, f64>(at, signals);
+        let (rows, gyro_noise, accel_noise, elapsed) = self.open.take();
+        let mut step = Step {
+            time,
+            elapsed,
+            rows,
+            gyro_noise,
+            accel_noise,
+            h: Vec::new(),
+            z: Vec::new(),
+            r: Vec::new(),
+            channel: Vec::new(),
+            motion: Motion {
+                rate: signals.rate,
+                force: signals.force,
+                temperature: signals.temperature,
+                temperature_rate: signals.temperature_rate,
+                dither: signals.dither,
+            },
+        };
+        for &channel in &self.channels {
+            if let Some(row) = F::row(channel).filter(|row| residuals.is_present(*row)) {
+                step.h.extend_from_slice(matrix[row].as_slice());
+                step.z.push(residuals.values()[row]);
+                step.r.push(residuals.variances()[row]);
+                step.channel.push(channel);
+            }
+        }
+        self.steps.push(step);
+    }
+
+    fn fed_back(&mut self, correction: &Vector<F, f64>) {
+        self.open.feed_back(&correction.as_slice()[..CORE]);
+    }
+}

@@ -1,0 +1,56 @@
+//! What is wrong with a scenario, all of it at once.
+
+use std::fmt;
+use std::ops::Range;
+
+/// One thing that is wrong with a scenario.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// The field, for instance `motion.rate`.
+    pub field: String,
+    /// What is wrong with it.
+    pub problem: String,
+    /// What is accepted; empty where that says itself.
+    pub accepted: String,
+    /// Line in the scenario, from 1; none for a value that does not stand there.
+    pub line: Option<usize>,
+    /// Bytes of the text of the scenario it is about.
+    pub span: Option<Range<usize>>,
+}
+
+impl Fault {
+    pub(crate) fn new(field: impl Into<String>, problem: impl Into<String>, accepted: impl Into<String>) -> Self {
+        Self { field: field.into(), problem: problem.into(), accepted: accepted.into(), line: None, span: None }
+    }
+
+    pub(crate) fn at(mut self, text: &str, span: Range<usize>) -> Self {
+        let before = text.as_bytes().get(..span.start).unwrap_or_default();
+        self.line = Some(1 + before.iter().filter(|byte| **byte == b'\n').count());
+        self.span = Some(span);
+        self
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(line) = self.line {
+            write!(f, "line {line}: ")?;
+        }
+        if !self.field.is_empty() {
+            write!(f, "{} ", self.field)?;
+        }
+        f.write_str(&self.problem)?;
+        if !self.accepted.is_empty() {
+            write!(f, "; accepted: {}", self.accepted)?;
+        }
+        Ok(())
+    }
+}
+
+/// A scenario that cannot be simulated.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct ScenarioError {
+    /// Everything that is wrong, at least one.
+    pub faults: Vec<Fault>,
+}

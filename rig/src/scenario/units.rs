@@ -1,0 +1,123 @@
+//! The closed table of units in which scenarios may be written.
+
+/// Standard gravity, m/s^2: what data sheets mean by g.
+const G: f64 = 9.806_65;
+const DEG: f64 = std::f64::consts::PI / 180.0;
+const HOUR: f64 = 3600.0;
+
+/// Units of one dimension with their size in the first of them, the SI unit.
+pub(crate) type Units = &'static [(&'static str, f64)];
+
+pub(crate) const FREQUENCY: Units = &[("Hz", 1.0), ("kHz", 1e3)];
+pub(crate) const TIME: Units =
+    &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("min", 60.0), ("h", HOUR), ("days", 24.0 * HOUR)];
+pub(crate) const ANGLE: Units = &[
+    ("rad", 1.0),
+    ("mrad", 1e-3),
+    ("urad", 1e-6),
+    ("deg", DEG),
+    ("arcmin", DEG / 60.0),
+    ("arcsec", DEG / 3600.0),
+];
+pub(crate) const RATIO: Units = &[("1", 1.0), ("%", 1e-2), ("ppm", 1e-6)];
+pub(crate) const LENGTH: Units = &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3)];
+pub(crate) const VELOCITY: Units = &[("m/s", 1.0), ("mm/s", 1e-3), ("um/s", 1e-6)];
+pub(crate) const ANGULAR_RATE: Units =
+    &[("rad/s", 1.0), ("mrad/s", 1e-3), ("deg/s", DEG), ("deg/h", DEG / HOUR)];
+pub(crate) const ANGULAR_ACCELERATION: Units = &[("rad/s^2", 1.0), ("deg/s^2", DEG)];
+pub(crate) const FORCE: Units = &[("m/s^2", 1.0), ("g", G), ("mg", G * 1e-3), ("ug", G * 1e-6)];
+pub(crate) const TEMPERATURE: Units = &[("degC", 1.0)];
+pub(crate) const DIFFERENCE: Units = &[("K", 1.0)];
+pub(crate) const ANGLE_WALK: Units = &[("rad/sqrt(s)", 1.0), ("deg/sqrt(h)", DEG / 60.0), ("deg/sqrt(s)", DEG)];
+pub(crate) const VELOCITY_WALK: Units = &[
+    ("m/s/sqrt(s)", 1.0),
+    ("m/s/sqrt(h)", 1.0 / 60.0),
+    ("ug/sqrt(Hz)", G * 1e-6),
+    ("mg/sqrt(Hz)", G * 1e-3),
+];
+pub(crate) const RATE_WALK: Units = &[("rad/s/sqrt(s)", 1.0), ("deg/h/sqrt(h)", DEG / HOUR / 60.0)];
+pub(crate) const FORCE_WALK: Units =
+    &[("m/s^2/sqrt(s)", 1.0), ("ug/sqrt(s)", G * 1e-6), ("ug/sqrt(h)", G * 1e-6 / 60.0)];
+
+/// Units of the parameters of effects.
+const PARAMETERS: &[Units] = &[
+    &[
+        ("rad", 1.0),
+        ("mrad", 1e-3),
+        ("urad", 1e-6),
+        ("deg", DEG),
+        ("arcmin", DEG / 60.0),
+        ("arcsec", DEG / 3600.0),
+        ("ppm", 1e-6),
+    ],
+    RATIO,
+    LENGTH,
+    TIME,
+    ANGULAR_RATE,
+    FORCE,
+    &[("s^2/m", 1.0), ("mg/g^2", 1e-3 / G), ("ug/g^2", 1e-6 / G)],
+    &[("s^4/m^2", 1.0), ("mg/g^3", 1e-3 / (G * G)), ("ug/g^3", 1e-6 / (G * G))],
+    &[("1/K", 1.0), ("ppm/K", 1e-6)],
+    &[("m/s^2/K", 1.0), ("mg/K", G * 1e-3), ("ug/K", G * 1e-6)],
+    &[("rad/s/K", 1.0), ("deg/s/K", DEG), ("deg/h/K", DEG / HOUR)],
+    &[
+        ("m/s/K", 1.0),
+        ("ug/(K/s)", G * 1e-6),
+        ("ug/(K/min)", G * 1e-6 * 60.0),
+        ("ug/(K/h)", G * 1e-6 * HOUR),
+    ],
+    &[("rad/s/(m/s^2)", 1.0), ("deg/s/g", DEG / G), ("deg/h/g", DEG / HOUR / G)],
+    &[("s/rad", 1.0), ("ppm/(rad/s)", 1e-6), ("ppm/(deg/s)", 1e-6 / DEG)],
+    &[("m/s^3", 1.0), ("ug/s", G * 1e-6), ("ug/h", G * 1e-6 / HOUR), ("mg/h", G * 1e-3 / HOUR)],
+    &[("rad/s^2", 1.0), ("deg/s/h", DEG / HOUR), ("deg/h/h", DEG / (HOUR * HOUR))],
+];
+
+/// The units for parameters whose SI unit is `si`.
+pub(crate) fn of_parameters(si: &str) -> Units {
+    PARAMETERS.iter().find(|units| units.first().is_some_and(|(unit, _)| *unit == si)).copied().unwrap_or_default()
+}
+
+/// Reads `NUMBER UNIT`; says what is accepted otherwise.
+pub(crate) fn read(text: &str, units: Units) -> Result<f64, String> {
+    let (number, unit) = text.trim().split_once(char::is_whitespace).unwrap_or((text.trim(), ""));
+    let unit = unit.trim();
+    let names = units.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+    let Ok(value) = number.parse::<f64>() else {
+        return Err(format!("a number and its unit in quotes; units: {names}"));
+    };
+    match units.iter().find(|(name, _)| *name == unit) {
+        Some((_, size)) => Ok(value * size),
+        None => Err(format!("one of the units {names}")),
+    }
+}
+
+/// A value with its SI unit, as people write it.
+pub(crate) fn write(value: f64, units: Units) -> String {
+    format!("{value} {}", units.first().map_or("", |(name, _)| name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_has_units_and_the_sheets_unit_is_among_them() {
+        for effect in &sinscal::EFFECTS {
+            let units = of_parameters(effect.unit());
+            assert!(!units.is_empty(), "{}", effect.name());
+            let sheet = units.iter().find(|(name, _)| *name == effect.sheet_unit);
+            let size = sheet.map(|(_, size)| *size).unwrap_or_default();
+            assert!((size / effect.sheet_scale - 1.0).abs() < 1e-12, "{} {}", effect.name(), effect.sheet_unit);
+        }
+    }
+
+    #[test]
+    fn quantities() {
+        assert_eq!(read("20 mm", LENGTH), Ok(0.02));
+        assert_eq!(read(" -1e3   mm ", LENGTH), Ok(-1.0));
+        assert!((read("0.001 deg/sqrt(h)", ANGLE_WALK).unwrap() - 2.9089e-7).abs() < 1e-11);
+        assert!(read("20", LENGTH).unwrap_err().contains("m, cm, mm"));
+        assert!(read("20 s", LENGTH).unwrap_err().contains("m, cm, mm"));
+        assert!(read("much", LENGTH).unwrap_err().contains("a number and its unit"));
+    }
+}

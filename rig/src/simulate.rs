@@ -1,0 +1,324 @@
+//! The simulation: a stream of samples.
+
+use nalgebra::{UnitQuaternion, Vector3};
+use sinscal::{Reference, ReferenceSigma, Sample, SensorNoise};
+
+use crate::description::Description;
+use crate::dither::FullDither;
+use crate::environment::{Amplitudes, Temperatures};
+use crate::mechanics::{Felt, Place};
+use crate::motion::{Centre, Motion, Rotation};
+use crate::noise::Noise;
+use crate::random::Stream;
+use crate::scenario::{DitherMode, Scenario, ScenarioError};
+use crate::sensors::{Conditions, Errors};
+use crate::truth::Truth;
+
+/// Nodes and weights of Gauss and Legendre's quadrature of three points over an interval of length one.
+const NODES: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_3, 5.0 / 18.0),
+    (0.5, 4.0 / 9.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
+
+/// One unit on its table: an iterator over the samples of its log.
+///
+/// It holds no samples: a log of any length takes the same memory. The same scenario and seed give the same bits.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    dt: f64,
+    rate: f64,
+    samples: u64,
+    next: u64,
+    truth: Truth,
+    description: Description,
+    motion: Motion,
+    table: crate::motion::Imperfections,
+    rigid: bool,
+    place: Place,
+    errors: Errors,
+    /// Delay of the accelerometers, s.
+    delay: f64,
+    temperatures: Temperatures,
+    temperature_every: u64,
+    gyro_noise: Noise,
+    accelerometer_noise: Noise,
+    dither: Dither,
+    reference: References,
+}
+
+#[derive(Clone, Debug)]
+struct Dither {
+    amplitudes: Option<Amplitudes>,
+    full: Option<FullDither>,
+    every: u64,
+    reading_noise: f64,
+    noise: Stream,
+}
+
+#[derive(Clone, Debug)]
+struct References {
+    every: Option<u64>,
+    attitude: bool,
+    sigma: ReferenceSigma,
+    delay: f64,
+    misalignment: UnitQuaternion<f64>,
+    tilt: UnitQuaternion<f64>,
+    noise: Stream,
+    attitude_noise: Stream,
+}
+
+impl Simulation {
+    /// Unit `seed` of the scenario's population on its table.
+    ///
+    /// # Errors
+    /// When the scenario cannot be simulated; one that was parsed can.
+    pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, ScenarioError> {
+        scenario.check()?;
+        let truth = scenario.unit(seed);
+        let dt = 1.0 / scenario.rate;
+        let (motion, _) = scenario.motion.build(&scenario.table);
+        let table = scenario.table;
+        let place = Place::new(&scenario.site, truth.vector("outer-lever-arm"));
+        let errors = Errors::new(&truth);
+        let every = |part: f64| (scenario.rate / part).round().max(1.0) as u64;
+        let (first, _) = table.apply(&motion, dt);
+        let plan = &scenario.reference;
+        let reference_attitude = plan.attitude_sigma.hypot(table.encoder_noise);
+        let description = Description {
+            rate: scenario.rate,
+            site: scenario.site,
+            initial: scenario.initial_attitude(first.attitude(), seed),
+            reference: ReferenceSigma {
+                velocity: plan.velocity_sigma,
+                position: plan.position_sigma,
+                attitude: reference_attitude,
+            },
+            readings: plan.readings,
+            attitude: plan.readings && plan.attitude,
+            noise: SensorNoise {
+                angle_random_walk: scenario.gyro.white,
+                velocity_random_walk: scenario.accelerometer.white,
+            },
+            reference_temperature: scenario.temperature.reference,
+            outer_lever: scenario.initial.outer_lever,
+            title: format!("Simulated unit {seed}"),
+        };
+        let tilt = Vector3::new(truth.value("reference-tilt", 0), truth.value("reference-tilt", 1), 0.0);
+        let reference = References {
+            every: plan.readings.then(|| every(plan.rate)),
+            attitude: plan.attitude,
+            sigma: description.reference,
+            delay: truth.value("reference-delay", 0),
+            misalignment: UnitQuaternion::from_scaled_axis(truth.vector("reference-misalignment")),
+            tilt: UnitQuaternion::from_scaled_axis(-tilt),
+            noise: Stream::new(seed, "noise/reference"),
+            attitude_noise: Stream::new(seed, "noise/reference-attitude"),
+        };
+        Ok(Self {
+            dt,
+            rate: scenario.rate,
+            samples: scenario.samples(),
+            next: 0,
+            rigid: table.is_rigid(),
+            dither: Dither::new(scenario, &errors, seed),
+            temperatures: Temperatures::new(&scenario.temperature, seed, dt),
+            temperature_every: every(scenario.temperature.rate),
+            gyro_noise: Noise::new(&scenario.gyro, seed, "gyro", dt),
+            accelerometer_noise: Noise::new(&scenario.accelerometer, seed, "accelerometer", dt),
+            delay: truth.value("accel-delay", 0),
+            description: description.sound(),
+            truth,
+            motion,
+            table,
+            place,
+            errors,
+            reference,
+        })
+    }
+
+    /// The unit's true parameters.
+    pub fn truth(&self) -> &Truth {
+        &self.truth
+    }
+
+    /// What is known of the log.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// Number of samples in the whole log.
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// True rotation and motion of the centre of rotation at time `t`.
+    pub fn motion(&self, t: f64) -> (Rotation, Centre) {
+        if self.rigid { (self.motion.at(t), Centre::FIXED) } else { self.table.apply(&self.motion, t) }
+    }
+
+    /// True position (m) and velocity (m/s) of the unit's sensitive centre from the site origin in n at time `t`.
+    pub fn position(&self, t: f64) -> (Vector3<f64>, Vector3<f64>) {
+        let (rotation, centre) = self.motion(t);
+        self.place.position(&rotation, &centre)
+    }
+
+    /// What an ideal unit in its place feels at time `t`.
+    #[inline]
+    pub fn felt(&self, t: f64) -> Felt {
+        if self.rigid {
+            self.place.felt(&self.motion.at(t), &Centre::FIXED)
+        } else {
+            let (rotation, centre) = self.table.apply(&self.motion, t);
+            self.place.felt(&rotation, &centre)
+        }
+    }
+
+    /// Integrals of what gyros and accelerometers read over interval `k`, without noise.
+    fn increments(&self, k: u64, dither: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        let start = k as f64 / self.rate;
+        let (mut dtheta, mut dvel) = (Vector3::zeros(), Vector3::zeros());
+        let temperature_rate = Vector3::repeat(self.temperatures.rate());
+        let conditions = |felt: Felt, t: f64| {
+            let (temperature, gyro_temperature) = self.temperatures.at((t - start) / self.dt);
+            Conditions {
+                felt,
+                temperature,
+                temperature_rate,
+                gyro_temperature,
+                dither: *dither,
+                // since the first sample, which ends the first interval
+                time: t - self.dt,
+            }
+        };
+        for (node, weight) in NODES {
+            let t = start + node * self.dt;
+            let now = conditions(self.felt(t), t);
+            dtheta += self.errors.gyros(&now) * weight;
+            let felt = if self.delay == 0.0 {
+                now
+            } else {
+                let earlier = t - self.delay;
+                conditions(self.felt(earlier), earlier)
+            };
+            dvel += self.errors.accelerometers(&felt) * weight;
+        }
+        (dtheta * self.dt, dvel * self.dt)
+    }
+
+    fn reference(&mut self, time: f64) -> Reference {
+        let (rotation, centre) = self.motion(time - self.reference.delay);
+        let reference = &mut self.reference;
+        let velocity = reference.noise.normals() * reference.sigma.velocity;
+        let position = reference.noise.normals() * reference.sigma.position;
+        let attitude = reference.attitude.then(|| {
+            let noise = reference.attitude_noise.normals() * reference.sigma.attitude;
+            reference.tilt
+                * UnitQuaternion::from_scaled_axis(noise)
+                * rotation.attitude()
+                * reference.misalignment
+        });
+        Reference {
+            velocity: Some(reference.tilt * centre.velocity + velocity),
+            position: Some(reference.tilt * centre.position + position),
+            attitude,
+        }
+    }
+}
+
+impl Dither {
+    fn new(scenario: &Scenario, errors: &Errors, seed: u64) -> Self {
+        let plan = &scenario.dither;
+        let mut random = Stream::new(seed, "dither/amplitudes");
+        let spread = random.normals();
+        let phase = Vector3::from_fn(|_, _| std::f64::consts::TAU * random.uniform());
+        let amplitudes = (plan.mode != DitherMode::Off).then(|| Amplitudes {
+            mean: plan.amplitude.component_mul(&(spread * plan.spread).add_scalar(1.0)),
+            change: plan.change,
+            period: plan.period,
+            phase,
+        });
+        let full = amplitudes.as_ref().filter(|_| plan.mode == DitherMode::Full).map(|amplitudes| {
+            let steps = (plan.simulation_rate / scenario.rate).round().max(1.0) as usize;
+            FullDither::new(plan, amplitudes, errors.arms(), steps, seed, 1.0 / scenario.rate)
+        });
+        Self {
+            amplitudes,
+            full,
+            every: (scenario.rate / plan.rate).round().max(1.0) as u64,
+            reading_noise: plan.reading_noise,
+            noise: Stream::new(seed, "noise/dither-readings"),
+        }
+    }
+
+    /// Half the squares of the amplitudes at `time`, where the mean of the size effect is what counts.
+    #[inline]
+    fn mean_square(&self, time: f64) -> Vector3<f64> {
+        match (&self.amplitudes, &self.full) {
+            (Some(amplitudes), None) => {
+                let a = amplitudes.at(time);
+                a.component_mul(&a) * 0.5
+            }
+            _ => Vector3::zeros(),
+        }
+    }
+
+    fn read(&mut self, time: f64) -> Vector3<f64> {
+        let noise = if self.reading_noise > 0.0 {
+            self.noise.normals() * self.reading_noise
+        } else {
+            Vector3::zeros()
+        };
+        self.amplitudes.as_ref().map_or(Vector3::repeat(f64::NAN), |amplitudes| amplitudes.at(time) + noise)
+    }
+}
+
+impl Iterator for Simulation {
+    type Item = Sample;
+
+    fn next(&mut self) -> Option<Sample> {
+        if self.next >= self.samples {
+            return None;
+        }
+        let k = self.next;
+        self.next += 1;
+        let time = self.next as f64 / self.rate;
+        self.temperatures.advance(time);
+        let middle = time - 0.5 * self.dt;
+        let (mut dtheta, mut dvel) = self.increments(k, &self.dither.mean_square(middle));
+        if let Some(mut full) = self.dither.full.take() {
+            dvel += full.increment(k, |t| {
+                let felt = self.felt(t - self.delay);
+                (felt.rate, felt.angular_acceleration)
+            });
+            self.dither.full = Some(full);
+        }
+        self.gyro_noise.add(&mut dtheta);
+        self.accelerometer_noise.add(&mut dvel);
+
+        // readings stand in the first row and wherever their interval ends
+        let due = |every: u64| k == 0 || (k + 1).is_multiple_of(every);
+        let nothing = Vector3::repeat(f64::NAN);
+        let (temperature, gyro_temperature) =
+            if due(self.temperature_every) { self.temperatures.read() } else { (nothing, nothing) };
+        let dither = if due(self.dither.every) { self.dither.read(time) } else { nothing };
+        let reference = match self.reference.every {
+            Some(every) if due(every) => self.reference(time),
+            Some(_) => Reference::default(),
+            // a fixed point is known at every row
+            None => Reference {
+                velocity: Some(Vector3::zeros()),
+                position: Some(Vector3::zeros()),
+                attitude: None,
+            },
+        };
+        Some(Sample { time, dtheta, dvel, temperature, gyro_temperature, dither, reference })
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = (self.samples - self.next) as usize;
+        (left, Some(left))
+    }
+}
+
+impl ExactSizeIterator for Simulation {}

@@ -1,0 +1,63 @@
+//! Calibrating simulated logs.
+
+use nalgebra::{DMatrix, DVector};
+use rig::{Scenario, Simulation};
+use sinscal::{Calibration, Filter, Strapdown};
+
+/// The reference is used at most this often, Hz.
+const UPDATE_RATE: f64 = 10.0;
+
+/// What came of one unit.
+pub struct Outcome {
+    /// Normalised estimation error squared of all parameters together.
+    pub nees: f64,
+    /// How many parameters there are.
+    pub parameters: usize,
+    /// Mean normalised innovation squared per measurement.
+    pub nis: f64,
+    /// Largest error of one parameter, in standard deviations, and which.
+    pub worst: (f64, String),
+}
+
+/// A scenario with the effects that filter `F` models and no others.
+pub fn modelled_by<F: Filter<Dynamics = Strapdown>>(mut scenario: Scenario) -> Scenario {
+    let mut names = Vec::new();
+    F::states(&mut |info| names.push(info.block));
+    if F::SET.intersects(sinscal::blocks::set::DITHER) {
+        names.push("dither-size-effect");
+    }
+    scenario.keep_effects(|effect| names.contains(&effect));
+    scenario
+}
+
+/// Simulates unit `seed` and calibrates it in two passes.
+pub fn calibrate<F: Filter<Dynamics = Strapdown>>(scenario: &Scenario, seed: u64) -> Outcome {
+    let simulation = Simulation::new(scenario, seed).unwrap();
+    let mut calibration = Calibration::<F>::new(&simulation.description().setup(UPDATE_RATE, &[]));
+    let log: Vec<_> = simulation.clone().collect();
+    for sample in &log {
+        calibration.step(sample).unwrap();
+    }
+    calibration.begin_pass();
+    for sample in &log {
+        calibration.step(sample).unwrap();
+    }
+    let mut errors = Vec::new();
+    let mut worst = (0.0, String::new());
+    calibration.parameters(&mut |p| {
+        let error = p.value - simulation.truth().of(&p.info);
+        if (error / p.sigma).abs() > worst.0 {
+            worst = ((error / p.sigma).abs(), format!("{} {} of unit {seed}", p.info.block, p.info.component));
+        }
+        errors.push(error);
+    });
+    let n = errors.len();
+    let covariance = calibration.covariance();
+    let core = F::DIM - n;
+    // scaled by the standard deviations, or the matrix is numerically singular
+    let sigma: Vec<f64> = (0..n).map(|i| covariance[core + i][core + i].sqrt()).collect();
+    let correlation = DMatrix::from_fn(n, n, |i, j| covariance[core + i][core + j] / (sigma[i] * sigma[j]));
+    let scaled = DVector::from_fn(n, |i, _| errors[i] / sigma[i]);
+    let solved = correlation.cholesky().unwrap().solve(&scaled);
+    Outcome { nees: scaled.dot(&solved), parameters: n, nis: calibration.statistics().nis_per_dof(), worst }
+}
