@@ -1,4 +1,95 @@
 //! Declared error-state Kalman filters for the systematic calibration of strapdown inertial navigation systems.
+//!
+//! A filter is a struct whose fields say what may be wrong:
+//!
+//! ```
+//! use sinscal::prelude::*;
+//!
+//! #[derive(StateBlocks)]
+//! #[filter(measures(velocity, position))]
+//! pub struct MyUnit {
+//!     attitude: Attitude,
+//!     velocity: Velocity,
+//!     position: Position,
+//!     gyro: GyroErrors,
+//!     accel: AccelErrors,
+//!     outer_lever: OuterLeverArm,
+//!     delay: AccelDelay,
+//! }
+//!
+//! assert_eq!(MyUnit::DIM, 37);
+//! assert_eq!(MyUnit::OFFSETS.delay, 36);
+//! ```
+//!
+//! From it come the sizes, the sparse assembly of F and H, structured propagation and update, names, units and priors of
+//! the states, and named access to estimates. A declaration that cannot work does not compile:
+//!
+//! ```compile_fail
+//! # use sinscal::prelude::*;
+//! #[derive(StateBlocks)]
+//! #[filter(measures(velocity, position))]
+//! struct Impossible {
+//!     attitude: Attitude,
+//!     velocity: Velocity,
+//!     position: Position,
+//!     gyro: GyroErrors,
+//!     accel: AccelErrors,
+//!     dither: Dither, // `dither` acts through the inner lever arm, and there is none
+//! }
+//! ```
+//!
+//! [`Calibration`] runs a declared filter over samples: navigation at their rate, updates at the reference's.
+//!
+//! ```
+//! use sinscal::prelude::*;
+//! use sinscal::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Sins36P, Site};
+//! use nalgebra::{UnitQuaternion, Vector3};
+//!
+//! let setup = Setup {
+//!     rate: 50.0,
+//!     site: Site { latitude: 0.56, longitude: 2.07, height: 20.0 },
+//!     initial: InitialAttitude {
+//!         attitude: UnitQuaternion::identity(),
+//!         level_sigma: 5e-4,
+//!         heading_sigma: 2e-3,
+//!     },
+//!     reference: ReferenceSigma { velocity: 1e-3, position: 2e-3, attitude: 1e-4 },
+//!     update_rate: 1.0,
+//!     noise: SensorNoise { angle_random_walk: 3e-7, velocity_random_walk: 5e-5 },
+//!     reference_temperature: 25.0,
+//!     outer_lever: Vector3::zeros(),
+//!     priors: &[("accel-bias", 5e-3)],
+//! };
+//! let mut run = Calibration::<Sins36P>::new(&setup);
+//! for k in 1..=500 {
+//!     let sample = Sample {
+//!         time: f64::from(k) / 50.0,
+//!         dtheta: Vector3::new(0.0, 1.2e-6, 7.8e-7), // the Earth turns
+//!         dvel: Vector3::new(0.0, 0.0, 9.795 / 50.0),
+//!         temperature: Vector3::repeat(f64::NAN),
+//!         gyro_temperature: Vector3::repeat(f64::NAN),
+//!         dither: Vector3::repeat(f64::NAN),
+//!         reference: Reference {
+//!             velocity: Some(Vector3::zeros()),
+//!             position: Some(Vector3::zeros()),
+//!             attitude: None,
+//!         },
+//!     };
+//!     run.step(&sample)?;
+//! }
+//! run.parameters(&mut |p| {
+//!     if p.estimated {
+//!         println!("{} {} = {} +- {}", p.info.block, p.info.component, p.value, p.sigma);
+//!     }
+//! });
+//! # Ok::<(), sinscal::Diverged>(())
+//! ```
+//!
+//! # Features
+//!
+//! - `std` (default): faster elementary functions, and [`Smoother`]. Without it the library neither allocates nor links
+//!   the standard library.
+//! - `check`: the Jacobian checker `sinscal::check`, for the tests of your own blocks.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate self as sinscal;

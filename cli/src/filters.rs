@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use clap::Args;
-use sinscal::FILTERS;
+use sinscal::{FILTERS, FilterInfo};
 
 use crate::output;
 
@@ -19,6 +19,20 @@ impl Arguments {
             // Writing to a string does not fail.
             let _ = writeln!(text, "{:14} {:>6}  {measures:22} {}", filter.name, filter.states, filter.about);
         }
+        text.push_str("\nstates, with the equation in `sinscal effects`:\n");
+        for filter in FILTERS {
+            let _ = writeln!(text, "{:14} {}", filter.name, blocks(filter));
+        }
         output::print(&text)
     }
+}
+
+/// The blocks of a filter with their numbers of states, in order.
+fn blocks(filter: &FilterInfo) -> String {
+    let mut blocks: Vec<(&str, usize)> = Vec::new();
+    filter.describe(&mut |state| match blocks.last_mut() {
+        Some((name, count)) if *name == state.block => *count += 1,
+        _ => blocks.push((state.block, 1)),
+    });
+    blocks.iter().map(|(name, count)| format!("{name} {count}")).collect::<Vec<_>>().join(", ")
 }

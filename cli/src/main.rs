@@ -4,6 +4,7 @@
 //! Exit codes: 0 when the work was done, 1 for bad input or a failed run, 2 for bad usage.
 
 mod calibrate;
+mod demo;
 mod effects;
 mod figures;
 mod filters;
@@ -28,6 +29,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Demo(demo::Arguments),
     Calibrate(calibrate::Arguments),
     Filters(filters::Arguments),
     Effects(effects::Arguments),
@@ -45,6 +47,7 @@ fn main() -> ExitCode {
         }
     };
     let result = match cli.command {
+        Command::Demo(arguments) => arguments.run(),
         Command::Calibrate(arguments) => arguments.run(),
         Command::Filters(arguments) => arguments.run(),
         Command::Effects(arguments) => arguments.run(),

@@ -1,10 +1,11 @@
 //! Dither of the gyros at its own rate, felt by the accelerometers.
 //!
 //! The sensor block turns about each axis with rate `a sin(phi)`, phi growing at the dither's frequency. Amplitude and frequency
-//! are drawn anew at the beginning of each cycle, where the rate is zero: the rate stays continuous, and within a cycle rate and
-//! angular acceleration are exact derivatives of each other. The gyros' output is free of dither (they take it out
-//! themselves); the accelerometers' is averaged over the sampling interval and twice more over the same length (a
-//! third-order comb filter, centred, without delay) before it is decimated.
+//! are drawn anew at the beginning of each cycle, at the very instant where the rate is zero: the rate stays continuous. A step
+//! gives the rate in its middle and the exact mean of the angular acceleration, the change of the rate over the step; so the
+//! angular acceleration has no mean that the rate does not have.
+//! The gyros' output is free of dither (they take it out themselves); the accelerometers' is averaged over the sampling interval
+//! and twice more over the same length (a third-order comb filter, centred, without delay) before it is decimated.
 
 use std::f64::consts::TAU;
 
@@ -21,18 +22,48 @@ struct Oscillator {
     phase: f64,
     frequency: f64,
     factor: f64,
+    /// Rate now as a share of the amplitude.
+    rate: f64,
     random: Stream,
+}
+
+/// What changes from cycle to cycle.
+#[derive(Clone, Copy, Debug)]
+struct Cycles {
+    frequency: Vector3<f64>,
+    frequency_noise: f64,
+    modulation: f64,
+    /// Makes the mean square of the modulated amplitude that of the unmodulated one.
+    normal: f64,
+}
+
+impl Oscillator {
+    /// Moves on by `dt`; returns the rate there.
+    #[inline]
+    fn advance(&mut self, axis: usize, dt: f64, cycles: &Cycles) -> f64 {
+        self.phase += TAU * self.frequency * dt;
+        if self.phase >= TAU {
+            let since = (self.phase - TAU) / (TAU * self.frequency);
+            if cycles.modulation > 0.0 {
+                self.factor = cycles.normal * (1.0 + cycles.modulation * self.random.normal());
+            }
+            if cycles.frequency_noise > 0.0 {
+                // a bounded draw keeps the frequency positive
+                let noise = cycles.frequency_noise * self.random.normal().clamp(-5.0, 5.0);
+                self.frequency = cycles.frequency[axis] + noise;
+            }
+            self.phase = TAU * self.frequency * since;
+        }
+        self.rate = self.factor * self.phase.sin();
+        self.rate
+    }
 }
 
 /// The sensor block's motion by dither of three gyros.
 #[derive(Clone, Debug)]
 pub struct DitherMotion {
     axes: [Oscillator; 3],
-    mean_frequency: Vector3<f64>,
-    frequency_noise: f64,
-    modulation: f64,
-    /// Makes the mean square of the modulated amplitude that of the unmodulated one.
-    normal: f64,
+    cycles: Cycles,
     dt: f64,
 }
 
@@ -40,55 +71,44 @@ impl DitherMotion {
     /// The dither of unit `seed`, in steps of `dt` seconds.
     pub fn new(plan: &DitherPlan, seed: u64, dt: f64) -> Self {
         let normal = 1.0 / (1.0 + plan.modulation * plan.modulation).sqrt();
-        let axes = ["x", "y", "z"].map(|axis| {
-            let mut random = Stream::new(seed, &format!("dither/cycles-{axis}"));
-            Oscillator { phase: TAU * random.uniform(), frequency: 0.0, factor: normal, random }
+        let axes = [0, 1, 2].map(|i| {
+            let mut random = Stream::new(seed, ["dither/cycles-x", "dither/cycles-y", "dither/cycles-z"][i]);
+            let phase = TAU * random.uniform();
+            Oscillator {
+                phase,
+                frequency: plan.frequency[i],
+                factor: normal,
+                rate: normal * phase.sin(),
+                random,
+            }
         });
-        let mut motion = Self {
-            axes,
-            mean_frequency: plan.frequency,
+        let cycles = Cycles {
+            frequency: plan.frequency,
             frequency_noise: plan.frequency_noise,
             modulation: plan.modulation,
             normal,
-            dt,
         };
-        for i in 0..3 {
-            motion.axes[i].frequency = motion.mean_frequency[i];
-        }
-        motion
+        Self { axes, cycles, dt }
     }
 
     /// Sets the phases, rad.
     pub fn with_phases(mut self, phases: &Vector3<f64>) -> Self {
         for (axis, phase) in self.axes.iter_mut().zip(phases.iter()) {
             axis.phase = *phase;
+            axis.rate = axis.factor * phase.sin();
         }
         self
     }
 
-    /// Rate (rad/s) and angular acceleration (rad/s^2) now, with `amplitudes` in rad/s; moves on by one step.
+    /// One step with `amplitudes` in rad/s: the rate in its middle (rad/s) and the mean of the angular acceleration (rad/s^2).
     #[inline]
     pub fn step(&mut self, amplitudes: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let (mut rate, mut acceleration) = (Vector3::zeros(), Vector3::zeros());
-        for i in 0..3 {
-            let axis = &mut self.axes[i];
-            let (s, c) = axis.phase.sin_cos();
-            let amplitude = amplitudes[i] * axis.factor;
-            let w = TAU * axis.frequency;
-            rate[i] = amplitude * s;
-            acceleration[i] = amplitude * w * c;
-            axis.phase += w * self.dt;
-            if axis.phase >= TAU {
-                axis.phase -= TAU;
-                if self.modulation > 0.0 {
-                    axis.factor = self.normal * (1.0 + self.modulation * axis.random.normal());
-                }
-                if self.frequency_noise > 0.0 {
-                    // a bounded draw keeps the frequency positive
-                    let noise = self.frequency_noise * axis.random.normal().clamp(-5.0, 5.0);
-                    axis.frequency = self.mean_frequency[i] + noise;
-                }
-            }
+        for (i, axis) in self.axes.iter_mut().enumerate() {
+            let before = axis.rate;
+            rate[i] = amplitudes[i] * axis.advance(i, 0.5 * self.dt, &self.cycles);
+            let after = axis.advance(i, 0.5 * self.dt, &self.cycles);
+            acceleration[i] = amplitudes[i] * (after - before) / self.dt;
         }
         (rate, acceleration)
     }
@@ -131,7 +151,11 @@ impl FullDither {
 
     /// Velocity increment of interval `k` that dither adds, asked for in order. `base` says rate and angular acceleration of
     /// the block without dither at a time.
-    pub(crate) fn increment(&mut self, k: u64, base: impl Fn(f64) -> (Vector3<f64>, Vector3<f64>)) -> Vector3<f64> {
+    pub(crate) fn increment(
+        &mut self,
+        k: u64,
+        base: impl Fn(f64) -> (Vector3<f64>, Vector3<f64>),
+    ) -> Vector3<f64> {
         // the filter reaches one interval to either side
         while self.next <= k as i64 + 1 {
             self.simulate(&base);

@@ -29,7 +29,9 @@ impl TemperatureProfile {
     pub fn at(&self, t: f64) -> f64 {
         match self {
             Self::Constant(temperature) => *temperature,
-            Self::WarmUp { start, rise, time_constant } => start - rise * (-t.max(0.0) / time_constant).exp_m1(),
+            Self::WarmUp { start, rise, time_constant } => {
+                start - rise * (-t.max(0.0) / time_constant).exp_m1()
+            }
             Self::Ramps(points) => {
                 let i = points.partition_point(|(time, _)| *time <= t);
                 match (i.checked_sub(1).and_then(|i| points.get(i)), points.get(i)) {
@@ -144,7 +146,9 @@ pub struct Amplitudes {
 impl Amplitudes {
     /// The amplitudes at time `t`, rad/s.
     pub fn at(&self, t: f64) -> Vector3<f64> {
-        Vector3::from_fn(|i, _| self.mean[i] * (1.0 + self.change * (TAU * t / self.period + self.phase[i]).sin()))
+        Vector3::from_fn(|i, _| {
+            self.mean[i] * (1.0 + self.change * (TAU * t / self.period + self.phase[i]).sin())
+        })
     }
 }
 

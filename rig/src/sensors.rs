@@ -198,7 +198,9 @@ mod tests {
             let small = 1e-7;
             let values: Vec<f64> = info.components().iter().map(|_| small * random.normal()).collect();
             let mut expected = [0.0; 6];
-            B::input_jacobian(&signals(&at), &mut |input, i, value: f64| expected[input] += value * values[i]);
+            B::input_jacobian(&signals(&at), &mut |input, i, value: f64| {
+                expected[input] += value * values[i]
+            });
             let mut truth = Truth::default();
             truth.insert(info, values);
             let errors = Errors::new(&truth);
@@ -218,10 +220,27 @@ mod tests {
             ($($block:ident),+) => { $(compare::<$block>(<$block as Effect>::EFFECT.name());)+ };
         }
         each!(
-            GyroScale, GyroMisalignment, GyroBias, GyroBiasDrift, GyroTemperatureBias, GyroGSensitivity,
-            GyroScaleAsymmetry, GyroRateNonlinearity, AccelScale, AccelMisalignment, AccelBias, AccelBiasDrift,
-            AccelQuadratic, AccelCubic, AccelScaleAsymmetry, AccelCrossCoupling, AccelTemperatureScale,
-            AccelTemperatureBias, AccelTemperatureRate, InnerLeverArm, InnerLeverArmTangential
+            GyroScale,
+            GyroMisalignment,
+            GyroBias,
+            GyroBiasDrift,
+            GyroTemperatureBias,
+            GyroGSensitivity,
+            GyroScaleAsymmetry,
+            GyroRateNonlinearity,
+            AccelScale,
+            AccelMisalignment,
+            AccelBias,
+            AccelBiasDrift,
+            AccelQuadratic,
+            AccelCubic,
+            AccelScaleAsymmetry,
+            AccelCrossCoupling,
+            AccelTemperatureScale,
+            AccelTemperatureBias,
+            AccelTemperatureRate,
+            InnerLeverArm,
+            InnerLeverArmTangential
         );
         assert_eq!(Strapdown::INPUTS, 6);
     }

@@ -15,11 +15,8 @@ use crate::sensors::{Conditions, Errors};
 use crate::truth::Truth;
 
 /// Nodes and weights of Gauss and Legendre's quadrature of three points over an interval of length one.
-const NODES: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_3, 5.0 / 18.0),
-    (0.5, 4.0 / 9.0),
-    (0.887_298_334_620_741_7, 5.0 / 18.0),
-];
+pub(crate) const NODES: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
 /// One unit on its table: an iterator over the samples of its log.
 ///

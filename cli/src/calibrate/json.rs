@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use miette::{IntoDiagnostic, Result};
 use serde::Serialize;
-use sinscal::FilterInfo;
+use nalgebra::{UnitQuaternion, Vector3};
+use sinscal::{FilterInfo, Smoothed};
 
 use super::run::{Options, Outcome};
 use crate::log::Log;
@@ -27,6 +28,9 @@ pub(super) struct Report {
     log_likelihood: f64,
     bridged_rows: u64,
     log: String,
+    /// The smoothed navigation solution at the first update, with `--smooth`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    smoothed_start: Option<Final>,
 }
 
 /// One parameter; what the data cannot show has no value.
@@ -42,12 +46,22 @@ struct ParameterReport {
     estimated: bool,
 }
 
-/// The navigation solution at the last sample.
+/// The navigation solution at one instant.
 #[derive(Serialize)]
 struct Final {
     attitude_quat_wxyz: [f64; 4],
     position_enu_m: [f64; 3],
     velocity_enu_m_s: [f64; 3],
+}
+
+impl Final {
+    fn new(attitude: &UnitQuaternion<f64>, position: Vector3<f64>, velocity: Vector3<f64>) -> Self {
+        Self {
+            attitude_quat_wxyz: [attitude.w, attitude.i, attitude.j, attitude.k],
+            position_enu_m: position.into(),
+            velocity_enu_m_s: velocity.into(),
+        }
+    }
 }
 
 impl Report {
@@ -71,7 +85,8 @@ impl Report {
                 estimated: parameter.estimated,
             }
         });
-        let attitude = outcome.attitude.quaternion();
+        let start = outcome.smoothed.as_ref().and_then(|smoothed| smoothed.first());
+        let site = &log.description().site;
         Self {
             filter: filter.name,
             states: filter.states,
@@ -80,11 +95,7 @@ impl Report {
             wall_s: wall.as_secs_f64(),
             nis_per_dof: outcome.statistics.nis_per_dof(),
             parameters: parameters.collect(),
-            r#final: Final {
-                attitude_quat_wxyz: [attitude.w, attitude.i, attitude.j, attitude.k],
-                position_enu_m: outcome.position.into(),
-                velocity_enu_m_s: outcome.velocity.into(),
-            },
+            r#final: Final::new(&outcome.attitude, outcome.position, outcome.velocity),
             passes: options.passes,
             form: options.form.name(),
             updates: outcome.statistics.updates,
@@ -92,6 +103,9 @@ impl Report {
             log_likelihood: outcome.statistics.log_likelihood,
             bridged_rows: outcome.bridged.rows,
             log: log.table().display().to_string(),
+            smoothed_start: start.map(|Smoothed { navigation, .. }| {
+                Final::new(&navigation.attitude, navigation.position(site), navigation.velocity)
+            }),
         }
     }
 

@@ -24,10 +24,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME", ignore_case = true,
           value_parser = PossibleValuesParser::new(FILTERS.iter().map(|filter| filter.name)))]
     filter: String,
-    /// Number of passes; each after the first linearises about the parameters found before
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    passes: u32,
-    /// Smooth the estimates over the whole log after the last pass
+    /// Number of passes, by default what the filter's class of units needs; each after the first linearises about the
+    /// parameters found before
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    passes: Option<u32>,
+    /// Smooth the navigation solution over the whole log in the last pass; `--out` then holds trajectory.csv
     #[arg(long)]
     smooth: bool,
     /// How the covariance is kept
@@ -91,7 +92,8 @@ impl Arguments {
         for warning in log.warnings() {
             output::remark(&format!("warning: {warning}"));
         }
-        let options = run::Options { passes: self.passes, form: self.form, smooth: self.smooth };
+        let passes = self.passes.unwrap_or(filter.passes);
+        let options = run::Options { passes, form: self.form, smooth: self.smooth };
         let outcome = run::run(&log, filter.name, options)?;
         if outcome.statistics.updates == 0 {
             let measures = filter.measures().collect::<Vec<_>>().join(" and ");
@@ -116,6 +118,10 @@ impl Arguments {
             files.folder(folder)?;
             files.write(&folder.join("calibration.json"), |file| file.write_all(json.as_bytes()))?;
             files.write(&folder.join("history.csv"), |file| text::history(&outcome, file))?;
+            if let Some(smoothed) = &outcome.smoothed {
+                let site = &log.description().site;
+                files.write(&folder.join("trajectory.csv"), |file| text::trajectory(smoothed, site, file))?;
+            }
         }
         files.commit()?;
 

@@ -4,8 +4,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Result, miette};
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::{
-    Aligner, Calibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter, Setup, Statistics,
-    Strapdown, Ud,
+    Aligner, Calibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter, Setup, Smoothed, Smoother,
+    Statistics, Strapdown, Ud,
 };
 
 use super::Form;
@@ -37,13 +37,12 @@ pub(super) struct Outcome {
     pub(super) position: Vector3<f64>,
     pub(super) velocity: Vector3<f64>,
     pub(super) bridged: Bridged,
+    /// The smoothed navigation solution at each update, if it was asked for.
+    pub(super) smoothed: Option<Vec<Smoothed>>,
 }
 
 /// Runs the filter called `filter` over the log.
 pub(super) fn run(log: &Log, filter: &str, options: Options) -> Result<Outcome> {
-    if options.smooth {
-        return Err(miette!("--smooth: the library has no smoother yet"));
-    }
     let initial = match log.description().initial {
         Some(initial) => initial,
         None => align(log)?,
@@ -106,6 +105,7 @@ impl Run<'_> {
         let mut samples = 0_u64;
         let mut times = (0.0, 0.0);
         let mut bridged = Bridged::default();
+        let mut smoother = Smoother::<F>::default();
 
         let bar = progress_bar(self.log.size() * u64::from(self.options.passes));
         for pass in 0..self.options.passes {
@@ -125,8 +125,13 @@ impl Run<'_> {
                 if samples.is_multiple_of(BAR_SAMPLES) {
                     bar.set_position(self.log.size() * u64::from(pass) + rows.position());
                 }
-                let update = calibration
-                    .step(&sample)
+                let smooth = self.options.smooth && pass + 1 == self.options.passes;
+                let update = if smooth {
+                    calibration.step_observed(&sample, &mut smoother)
+                } else {
+                    calibration.step(&sample)
+                };
+                let update = update
                     .map_err(|error| miette!("{}: {error}", self.log.table().display()))?;
                 if update.is_some() && history.due() {
                     history.push(sample.time, |put| {
@@ -153,6 +158,7 @@ impl Run<'_> {
             position: calibration.position(),
             velocity: calibration.navigation().velocity,
             bridged,
+            smoothed: self.options.smooth.then(|| smoother.finish()),
         })
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::time::Duration;
 
-use sinscal::Parameter;
+use sinscal::{Parameter, Site, Smoothed};
 
 use super::run::Outcome;
 use crate::figures::{decimals, significant};
@@ -111,6 +111,21 @@ pub(super) fn history(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> 
             write!(out, ",{value:e},{sigma:e}")?;
         }
         writeln!(out)?;
+    }
+    Ok(())
+}
+
+/// The smoothed navigation solution as CSV, one line for each update.
+pub(super) fn trajectory(smoothed: &[Smoothed], site: &Site, file: &mut dyn Write) -> io::Result<()> {
+    writeln!(file, "time_s,quat_w,quat_x,quat_y,quat_z,vel_e,vel_n,vel_u,pos_e,pos_n,pos_u")?;
+    for Smoothed { time, navigation } in smoothed {
+        let (q, v, p) = (navigation.attitude, navigation.velocity, navigation.position(site));
+        let numbers = [q.w, q.i, q.j, q.k, v.x, v.y, v.z, p.x, p.y, p.z];
+        write!(file, "{time}")?;
+        for number in numbers {
+            write!(file, ",{number:e}")?;
+        }
+        writeln!(file)?;
     }
     Ok(())
 }

@@ -100,7 +100,11 @@ pub(crate) fn check_derivatives(at: impl Fn(f64) -> Rotation, times: impl Iterat
         let c_dot = (after.c_bn - before.c_bn) / (2.0 * step);
         assert!((c_dot - now.c_bn * now.rate.cross_matrix()).norm() < 1e-7, "C' at {t}");
         let rate_dot = (after.rate - before.rate) / (2.0 * step);
-        assert!((rate_dot - now.acceleration).norm() < 1e-6, "omega' at {t}: {rate_dot} {}", now.acceleration);
+        assert!(
+            (rate_dot - now.acceleration).norm() < 1e-6,
+            "omega' at {t}: {rate_dot} {}",
+            now.acceleration
+        );
         assert!((now.c_bn * now.c_bn.transpose() - Matrix3::identity()).norm() < 1e-12);
     }
 }

@@ -141,16 +141,17 @@ mod tests {
 
     #[test]
     fn derivatives_agree_with_differences() {
-        let skewed = Imperfections { non_orthogonality: Vector3::new(1e-2, -2e-2, 3e-2), ..Imperfections::default() };
+        let skewed =
+            Imperfections { non_orthogonality: Vector3::new(1e-2, -2e-2, 3e-2), ..Imperfections::default() };
         let table = path(&skewed);
         check_derivatives(|t| table.at(t), (0..4000).map(|i| 299.0 + f64::from(i) * 0.011));
     }
 
     #[test]
     fn an_axis_level_in_n_stays_there() {
-        let turns = [Axis::Body(2), Axis::Level(0)].map(|axis| Turn { axis, angle: 1.0, rate: 0.2, dwell: 5.0 });
-        let table =
-            Turntable::new(Matrix3::identity(), 1.0, &turns, 0.3, 0.1, &Imperfections::default());
+        let turns =
+            [Axis::Body(2), Axis::Level(0)].map(|axis| Turn { axis, angle: 1.0, rate: 0.2, dwell: 5.0 });
+        let table = Turntable::new(Matrix3::identity(), 1.0, &turns, 0.3, 0.1, &Imperfections::default());
         let now = table.at(1.0 + 5.0 / 0.87 + 8.0);
         assert!(now.rate.norm() > 0.1);
         let in_n = now.c_bn * now.rate;

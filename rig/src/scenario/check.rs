@@ -44,7 +44,8 @@ fn check_rates(scenario: &Scenario, faults: &mut Vec<Fault>) {
         if used && ratio(rate, part).is_none() {
             let problem = format!("is {rate} Hz, which is no whole multiple of {field}, {part} Hz");
             let below = (rate / part).floor().max(1.0) * part;
-            let accepted = format!("whole multiples of {part} Hz, for instance {below} Hz or {} Hz", below + part);
+            let accepted =
+                format!("whole multiples of {part} Hz, for instance {below} Hz or {} Hz", below + part);
             faults.push(Fault::new("imu.rate", problem, accepted));
         }
     }
@@ -88,7 +89,8 @@ fn check_motion(scenario: &Scenario, faults: &mut Vec<Fault>) {
         }
         let listed = matches!(motion.path, Path::Turns(_));
         for (i, turn) in turns.iter().enumerate() {
-            let field = |key: &str| if listed { format!("motion.turns[{i}].{key}") } else { format!("motion.{key}") };
+            let field =
+                |key: &str| if listed { format!("motion.turns[{i}].{key}") } else { format!("motion.{key}") };
             if turn.rate > most || turn.rate <= 0.0 {
                 let problem = format!("is {} deg/s", degrees(turn.rate));
                 let accepted = format!("more than 0, up to motion.max_rate, {} deg/s", degrees(most));
@@ -96,7 +98,10 @@ fn check_motion(scenario: &Scenario, faults: &mut Vec<Fault>) {
             }
             if turn.dwell < motion.rounding {
                 let problem = format!("is {} s", turn.dwell);
-                let accepted = format!("at least motion.rounding, {} s: turns must not run into each other", motion.rounding);
+                let accepted = format!(
+                    "at least motion.rounding, {} s: turns must not run into each other",
+                    motion.rounding
+                );
                 faults.push(Fault::new(field("dwell"), problem, accepted));
             }
             if turn.angle == 0.0 || turn.angle.abs() > 100.0 * TAU {
@@ -124,11 +129,13 @@ fn check_motion(scenario: &Scenario, faults: &mut Vec<Fault>) {
                     degrees(hardest)
                 );
                 faults.push(Fault::new("motion.swing", problem, accepted));
+                break;
             }
             if frequency[i] > 0.1 * scenario.rate {
                 let accepted = format!("up to a tenth of the sampling rate, {} Hz", 0.1 * scenario.rate);
                 let problem = format!("is {} Hz about {}", frequency[i], ["x", "y", "z"][i]);
                 faults.push(Fault::new("motion.swing.frequency", problem, accepted));
+                break;
             }
         }
     }
@@ -140,7 +147,11 @@ fn check_populations(scenario: &Scenario, faults: &mut Vec<Fault>) {
         let n = population.effect.components().len();
         if population.mean.len() != n || population.sigma.len() != n {
             let accepted = format!("{n} means and {n} sigmas");
-            faults.push(Fault::new(format!("population.{name}"), "has another number of components", accepted));
+            faults.push(Fault::new(
+                format!("population.{name}"),
+                "has another number of components",
+                accepted,
+            ));
         }
     }
 }

@@ -19,8 +19,18 @@ pub struct Fault {
 }
 
 impl Fault {
-    pub(crate) fn new(field: impl Into<String>, problem: impl Into<String>, accepted: impl Into<String>) -> Self {
-        Self { field: field.into(), problem: problem.into(), accepted: accepted.into(), line: None, span: None }
+    pub(crate) fn new(
+        field: impl Into<String>,
+        problem: impl Into<String>,
+        accepted: impl Into<String>,
+    ) -> Self {
+        Self {
+            field: field.into(),
+            problem: problem.into(),
+            accepted: accepted.into(),
+            line: None,
+            span: None,
+        }
     }
 
     pub(crate) fn at(mut self, text: &str, span: Range<usize>) -> Self {

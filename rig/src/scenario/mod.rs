@@ -10,7 +10,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::{EffectInfo, InitialAttitude, Site};
 
 use crate::environment::TemperaturePlan;
-use crate::motion::{Imperfections, Motion, NINETEEN_POSITIONS, Swing, TWO_AXIS, Turn, Turntable, eighteen_rotations, turns};
+use crate::motion::{
+    Imperfections, Motion, NINETEEN_POSITIONS, Swing, TWO_AXIS, Turn, Turntable, eighteen_rotations, turns,
+};
 use crate::noise::NoiseFigures;
 use crate::random::Stream;
 use crate::truth::Truth;
@@ -280,9 +282,11 @@ impl Scenario {
     /// What is known of an attitude known to `initial`'s sigmas.
     pub(crate) fn initial_attitude(&self, attitude: UnitQuaternion<f64>, seed: u64) -> InitialAttitude {
         let InitialPlan { level_sigma, heading_sigma, .. } = self.initial;
-        let error = Stream::new(seed, "initial/attitude")
-            .normals()
-            .component_mul(&Vector3::new(level_sigma, level_sigma, heading_sigma));
+        let error = Stream::new(seed, "initial/attitude").normals().component_mul(&Vector3::new(
+            level_sigma,
+            level_sigma,
+            heading_sigma,
+        ));
         // C_hat = (I - [phi x]) C
         let attitude = UnitQuaternion::from_scaled_axis(-error) * attitude;
         InitialAttitude { attitude, level_sigma, heading_sigma }

@@ -6,8 +6,8 @@ use toml::de::DeTable;
 use super::fault::{Fault, ScenarioError};
 use super::reader::{Entry, Must, Reader, as_table};
 use super::{
-    DEFAULT_SCENARIO, DitherMode, DitherPlan, InitialPlan, MotionPlan, Path, Population, ReferencePlan, Scenario,
-    units,
+    DEFAULT_SCENARIO, DitherMode, DitherPlan, InitialPlan, MotionPlan, Path, Population, ReferencePlan,
+    Scenario, units,
 };
 use crate::environment::{TemperaturePlan, TemperatureProfile};
 use crate::motion::{Axis, Imperfections, Turn, Vibration};
@@ -92,7 +92,8 @@ fn read(r: &mut Reader<'_>) -> Option<Scenario> {
     let table = read_table(r);
     let reference = read_reference(r);
     let initial = read_initial(r);
-    let gyro = read_noise(r, "gyro", [units::ANGLE_WALK, units::ANGULAR_RATE, units::RATE_WALK, units::ANGLE]);
+    let gyro =
+        read_noise(r, "gyro", [units::ANGLE_WALK, units::ANGULAR_RATE, units::RATE_WALK, units::ANGLE]);
     let walks = [units::VELOCITY_WALK, units::FORCE, units::FORCE_WALK, units::VELOCITY];
     let accelerometer = read_noise(r, "accelerometer", walks);
     let temperature = read_temperature(r);
@@ -117,7 +118,8 @@ fn read_site(r: &mut Reader<'_>) -> Option<Site> {
     let s = r.section("site", &["latitude", "longitude", "height"]);
     // the east component of the curvature needs a meridian
     let latitude = r.quantity(&s, "latitude", units::ANGLE, Must::LieWithin(-89.9 * DEGREE, 89.9 * DEGREE));
-    let longitude = r.quantity(&s, "longitude", units::ANGLE, Must::LieWithin(-180.0 * DEGREE, 360.0 * DEGREE));
+    let longitude =
+        r.quantity(&s, "longitude", units::ANGLE, Must::LieWithin(-180.0 * DEGREE, 360.0 * DEGREE));
     let height = r.quantity(&s, "height", units::LENGTH, Must::LieWithin(-1000.0, 20_000.0));
     Some(Site { latitude: latitude?, longitude: longitude?, height: height? })
 }
@@ -137,7 +139,8 @@ fn read_motion(r: &mut Reader<'_>) -> Option<MotionPlan> {
         "turns",
         "swing",
     ];
-    const PATHS: [&str; 6] = ["eighteen-rotations", "nineteen-positions", "two-axis", "turns", "swing", "still"];
+    const PATHS: [&str; 6] =
+        ["eighteen-rotations", "nineteen-positions", "two-axis", "turns", "swing", "still"];
     let s = r.section("motion", &KEYS);
     let path = r.word(&s, "path", &PATHS);
     let start = r.entry(&s, "start").and_then(|entry| {
@@ -145,7 +148,8 @@ fn read_motion(r: &mut Reader<'_>) -> Option<MotionPlan> {
             entry.value.get_ref().as_str().and_then(|letters| letters.as_bytes().try_into().ok());
         let start = letters.and_then(|letters| sinscal::path::attitude(&letters));
         if start.is_none() {
-            let accepted = "three of N E D S W U that are right-handed, where x, y, z point, for instance \"NED\"";
+            let accepted =
+                "three of N E D S W U that are right-handed, where x, y, z point, for instance \"NED\"";
             r.refuse(&entry, "is no attitude", accepted);
         }
         start
@@ -198,7 +202,12 @@ fn read_motion(r: &mut Reader<'_>) -> Option<MotionPlan> {
     })
 }
 
-fn read_turns<'t>(r: &mut Reader<'t>, list: &Entry<'t>, rate: Option<f64>, dwell: Option<f64>) -> Option<Vec<Turn>> {
+fn read_turns<'t>(
+    r: &mut Reader<'t>,
+    list: &Entry<'t>,
+    rate: Option<f64>,
+    dwell: Option<f64>,
+) -> Option<Vec<Turn>> {
     let accepted = "a list of { axis, angle, rate, dwell }, rate and dwell optional";
     let Some(items) = list.value.get_ref().as_array().filter(|items| !items.is_empty()) else {
         r.refuse(list, "is no list of turns", accepted);
@@ -219,10 +228,10 @@ fn read_turns<'t>(r: &mut Reader<'t>, list: &Entry<'t>, rate: Option<f64>, dwell
                 r.refuse(&item, &format!("lacks its {key}"), accepted);
             }
         }
-        let axis = entry("axis").and_then(|e| r.choice(&e, &Axis::NAMES)).and_then(|i| Axis::of(Axis::NAMES[i]));
+        let axis =
+            entry("axis").and_then(|e| r.choice(&e, &Axis::NAMES)).and_then(|i| Axis::of(Axis::NAMES[i]));
         let angle = entry("angle").and_then(|e| r.value(&e, units::ANGLE, Must::BeNonZero));
-        let rate =
-            entry("rate").map_or(rate, |e| r.value(&e, units::ANGULAR_RATE, Must::BePositive(100.0)));
+        let rate = entry("rate").map_or(rate, |e| r.value(&e, units::ANGULAR_RATE, Must::BePositive(100.0)));
         let dwell =
             entry("dwell").map_or(dwell, |e| r.value(&e, units::TIME, Must::NotBeNegative(30.0 * DAY)));
         if let (Some(axis), Some(angle), Some(rate), Some(dwell)) = (axis, angle, rate, dwell) {
@@ -338,7 +347,11 @@ fn read_temperature(r: &mut Reader<'_>) -> Option<TemperaturePlan> {
         (_, Some(points)) => TemperatureProfile::Ramps(points?),
         (_, None) => {
             let accepted = "points = [[\"0 s\", \"20 degC\"], [\"1800 s\", \"45 degC\"]]";
-            r.faults.push(Fault::new("temperature.points", "is missing, profile = \"ramps\" needs it", accepted));
+            r.faults.push(Fault::new(
+                "temperature.points",
+                "is missing, profile = \"ramps\" needs it",
+                accepted,
+            ));
             return None;
         }
     };
@@ -450,8 +463,9 @@ fn read_population(r: &mut Reader<'_>) -> Vec<Population> {
             None => (Some(vec![0.0; n]), r.list(&entry, n, units, Must::NotBeNegative(f64::MAX))),
             Some(table) => {
                 r.only(table, &entry.field, &["mean", "sigma"]);
-                let part =
-                    |key: &str| table.get(key).map(|value| Entry { field: format!("{}.{key}", entry.field), value });
+                let part = |key: &str| {
+                    table.get(key).map(|value| Entry { field: format!("{}.{key}", entry.field), value })
+                };
                 let zero = || Some(vec![0.0; n]);
                 let mean = part("mean").map_or_else(zero, |part| r.list(&part, n, units, Must::BeFinite));
                 let sigma = part("sigma")
@@ -464,7 +478,9 @@ fn read_population(r: &mut Reader<'_>) -> Vec<Population> {
         }
     }
     // in the order of the catalogue, whatever the order in the file
-    populations.sort_by_key(|population| EFFECTS.iter().position(|effect| effect.name() == population.effect.name()));
+    populations.sort_by_key(|population| {
+        EFFECTS.iter().position(|effect| effect.name() == population.effect.name())
+    });
     populations
 }
 

@@ -98,8 +98,7 @@ impl<'t> Reader<'t> {
 
     /// The table `[name]`, which knows the keys `known`.
     pub(super) fn section(&mut self, name: &str, known: &[&str]) -> Section<'t> {
-        let root =
-            Section { name: String::new(), user: Some(self.user), fallback: Some(self.fallback) };
+        let root = Section { name: String::new(), user: Some(self.user), fallback: Some(self.fallback) };
         self.within(&root, name, Some(known))
     }
 
@@ -127,8 +126,7 @@ impl<'t> Reader<'t> {
 
     /// The content of `[name]` of the scenario, or else of the default one.
     pub(super) fn whole(&mut self, name: &str) -> Vec<(&'t str, Entry<'t>)> {
-        let root =
-            Section { name: String::new(), user: Some(self.user), fallback: Some(self.fallback) };
+        let root = Section { name: String::new(), user: Some(self.user), fallback: Some(self.fallback) };
         let section = self.within(&root, name, None);
         let table = section.user.or(section.fallback);
         let Some(table) = table else { return Vec::new() };
@@ -159,7 +157,13 @@ impl<'t> Reader<'t> {
     }
 
     /// One quantity.
-    pub(super) fn quantity(&mut self, section: &Section<'t>, key: &str, units: Units, must: Must) -> Option<f64> {
+    pub(super) fn quantity(
+        &mut self,
+        section: &Section<'t>,
+        key: &str,
+        units: Units,
+        must: Must,
+    ) -> Option<f64> {
         let entry = self.required(section, key)?;
         self.value(&entry, units, must)
     }
@@ -202,7 +206,13 @@ impl<'t> Reader<'t> {
     }
 
     /// One quantity that counts `length` times, or a list of that length.
-    pub(super) fn list(&mut self, entry: &Entry<'t>, length: usize, units: Units, must: Must) -> Option<Vec<f64>> {
+    pub(super) fn list(
+        &mut self,
+        entry: &Entry<'t>,
+        length: usize,
+        units: Units,
+        must: Must,
+    ) -> Option<Vec<f64>> {
         let Some(items) = entry.value.get_ref().as_array() else {
             return self.value(entry, units, must).map(|value| vec![value; length]);
         };
@@ -230,7 +240,8 @@ impl<'t> Reader<'t> {
         let found = entry.value.get_ref().as_str();
         let place = found.and_then(|word| accepted.iter().position(|known| *known == word));
         if place.is_none() {
-            let problem = found.map_or_else(|| "is not a word in quotes".to_owned(), |word| format!("is \"{word}\""));
+            let problem =
+                found.map_or_else(|| "is not a word in quotes".to_owned(), |word| format!("is \"{word}\""));
             self.refuse(entry, &problem, accepted.join(", "));
         }
         place

@@ -28,7 +28,8 @@ pub(crate) const ANGULAR_ACCELERATION: Units = &[("rad/s^2", 1.0), ("deg/s^2", D
 pub(crate) const FORCE: Units = &[("m/s^2", 1.0), ("g", G), ("mg", G * 1e-3), ("ug", G * 1e-6)];
 pub(crate) const TEMPERATURE: Units = &[("degC", 1.0)];
 pub(crate) const DIFFERENCE: Units = &[("K", 1.0)];
-pub(crate) const ANGLE_WALK: Units = &[("rad/sqrt(s)", 1.0), ("deg/sqrt(h)", DEG / 60.0), ("deg/sqrt(s)", DEG)];
+pub(crate) const ANGLE_WALK: Units =
+    &[("rad/sqrt(s)", 1.0), ("deg/sqrt(h)", DEG / 60.0), ("deg/sqrt(s)", DEG)];
 pub(crate) const VELOCITY_WALK: Units = &[
     ("m/s/sqrt(s)", 1.0),
     ("m/s/sqrt(h)", 1.0 / 60.0),
@@ -60,12 +61,7 @@ const PARAMETERS: &[Units] = &[
     &[("1/K", 1.0), ("ppm/K", 1e-6)],
     &[("m/s^2/K", 1.0), ("mg/K", G * 1e-3), ("ug/K", G * 1e-6)],
     &[("rad/s/K", 1.0), ("deg/s/K", DEG), ("deg/h/K", DEG / HOUR)],
-    &[
-        ("m/s/K", 1.0),
-        ("ug/(K/s)", G * 1e-6),
-        ("ug/(K/min)", G * 1e-6 * 60.0),
-        ("ug/(K/h)", G * 1e-6 * HOUR),
-    ],
+    &[("m/s/K", 1.0), ("ug/(K/s)", G * 1e-6), ("ug/(K/min)", G * 1e-6 * 60.0), ("ug/(K/h)", G * 1e-6 * HOUR)],
     &[("rad/s/(m/s^2)", 1.0), ("deg/s/g", DEG / G), ("deg/h/g", DEG / HOUR / G)],
     &[("s/rad", 1.0), ("ppm/(rad/s)", 1e-6), ("ppm/(deg/s)", 1e-6 / DEG)],
     &[("m/s^3", 1.0), ("ug/s", G * 1e-6), ("ug/h", G * 1e-6 / HOUR), ("mg/h", G * 1e-3 / HOUR)],
@@ -74,7 +70,11 @@ const PARAMETERS: &[Units] = &[
 
 /// The units for parameters whose SI unit is `si`.
 pub(crate) fn of_parameters(si: &str) -> Units {
-    PARAMETERS.iter().find(|units| units.first().is_some_and(|(unit, _)| *unit == si)).copied().unwrap_or_default()
+    PARAMETERS
+        .iter()
+        .find(|units| units.first().is_some_and(|(unit, _)| *unit == si))
+        .copied()
+        .unwrap_or_default()
 }
 
 /// Reads `NUMBER UNIT`; says what is accepted otherwise.
@@ -107,7 +107,12 @@ mod tests {
             assert!(!units.is_empty(), "{}", effect.name());
             let sheet = units.iter().find(|(name, _)| *name == effect.sheet_unit);
             let size = sheet.map(|(_, size)| *size).unwrap_or_default();
-            assert!((size / effect.sheet_scale - 1.0).abs() < 1e-12, "{} {}", effect.name(), effect.sheet_unit);
+            assert!(
+                (size / effect.sheet_scale - 1.0).abs() < 1e-12,
+                "{} {}",
+                effect.name(),
+                effect.sheet_unit
+            );
         }
     }
 

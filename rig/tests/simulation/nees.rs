@@ -1,8 +1,6 @@
 //! Whether filters know how wrong they are: normalised estimation errors over a hundred units.
 
-mod common;
-
-use common::{Outcome, calibrate, modelled_by};
+use crate::common::{Outcome, calibrate, modelled_by};
 use rig::Scenario;
 use sinscal::{Filter, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Strapdown};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -21,9 +19,10 @@ fn consistent<F: Filter<Dynamics = Strapdown>>(units: u64) {
     let parameters = outcomes[0].parameters;
     let nees = outcomes.iter().map(|outcome| outcome.nees).sum::<f64>() / n;
     let nis = outcomes.iter().map(|outcome| outcome.nis).sum::<f64>() / n;
-    let worst = outcomes.iter().map(|outcome| &outcome.worst).fold((0.0, ""), |most, (error, name)| {
-        if *error > most.0 { (*error, name) } else { most }
-    });
+    let worst = outcomes
+        .iter()
+        .map(|outcome| &outcome.worst)
+        .fold((0.0, ""), |most, (error, name)| if *error > most.0 { (*error, name) } else { most });
     let (low, high) = band(outcomes.len(), parameters);
     println!(
         "{}: NEES {nees:.2} of {parameters}, band {low:.2} to {high:.2}; NIS {nis:.4}; worst {:.2} sigma, {}",
@@ -31,6 +30,16 @@ fn consistent<F: Filter<Dynamics = Strapdown>>(units: u64) {
         worst.0,
         worst.1
     );
+    // each parameter by itself; one in a thousand sets of forty would fail
+    let single = |p| ChiSquared::new(n).unwrap().inverse_cdf(p) / n;
+    let (least, most) = (single(1.25e-5), single(1.0 - 1.25e-5));
+    let square = |i: usize| outcomes.iter().map(|outcome| outcome.scaled[i].powi(2)).sum::<f64>() / n;
+    let mean = |i: usize| outcomes.iter().map(|outcome| outcome.scaled[i]).sum::<f64>() / n;
+    for i in 0..parameters {
+        println!("  parameter {i}: mean {:.2}, mean square {:.2}", mean(i), square(i));
+        assert!((least..most).contains(&square(i)), "{}: parameter {i}: {}", F::NAME, square(i));
+        assert!(mean(i).abs() < 4.5 / n.sqrt(), "{}: parameter {i}: {}", F::NAME, mean(i));
+    }
     assert!((low..high).contains(&nees), "{}: NEES {nees} outside {low} to {high}", F::NAME);
 }
 

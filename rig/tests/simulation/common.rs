@@ -8,19 +8,21 @@ use sinscal::{Calibration, Filter, Strapdown};
 const UPDATE_RATE: f64 = 10.0;
 
 /// What came of one unit.
-pub struct Outcome {
+pub(crate) struct Outcome {
     /// Normalised estimation error squared of all parameters together.
-    pub nees: f64,
+    pub(crate) nees: f64,
     /// How many parameters there are.
-    pub parameters: usize,
+    pub(crate) parameters: usize,
     /// Mean normalised innovation squared per measurement.
-    pub nis: f64,
+    pub(crate) nis: f64,
+    /// Error of each parameter in standard deviations.
+    pub(crate) scaled: Vec<f64>,
     /// Largest error of one parameter, in standard deviations, and which.
-    pub worst: (f64, String),
+    pub(crate) worst: (f64, String),
 }
 
 /// A scenario with the effects that filter `F` models and no others.
-pub fn modelled_by<F: Filter<Dynamics = Strapdown>>(mut scenario: Scenario) -> Scenario {
+pub(crate) fn modelled_by<F: Filter<Dynamics = Strapdown>>(mut scenario: Scenario) -> Scenario {
     let mut names = Vec::new();
     F::states(&mut |info| names.push(info.block));
     if F::SET.intersects(sinscal::blocks::set::DITHER) {
@@ -31,7 +33,7 @@ pub fn modelled_by<F: Filter<Dynamics = Strapdown>>(mut scenario: Scenario) -> S
 }
 
 /// Simulates unit `seed` and calibrates it in two passes.
-pub fn calibrate<F: Filter<Dynamics = Strapdown>>(scenario: &Scenario, seed: u64) -> Outcome {
+pub(crate) fn calibrate<F: Filter<Dynamics = Strapdown>>(scenario: &Scenario, seed: u64) -> Outcome {
     let simulation = Simulation::new(scenario, seed).unwrap();
     let mut calibration = Calibration::<F>::new(&simulation.description().setup(UPDATE_RATE, &[]));
     let log: Vec<_> = simulation.clone().collect();
@@ -47,7 +49,8 @@ pub fn calibrate<F: Filter<Dynamics = Strapdown>>(scenario: &Scenario, seed: u64
     calibration.parameters(&mut |p| {
         let error = p.value - simulation.truth().of(&p.info);
         if (error / p.sigma).abs() > worst.0 {
-            worst = ((error / p.sigma).abs(), format!("{} {} of unit {seed}", p.info.block, p.info.component));
+            worst =
+                ((error / p.sigma).abs(), format!("{} {} of unit {seed}", p.info.block, p.info.component));
         }
         errors.push(error);
     });
@@ -59,5 +62,11 @@ pub fn calibrate<F: Filter<Dynamics = Strapdown>>(scenario: &Scenario, seed: u64
     let correlation = DMatrix::from_fn(n, n, |i, j| covariance[core + i][core + j] / (sigma[i] * sigma[j]));
     let scaled = DVector::from_fn(n, |i, _| errors[i] / sigma[i]);
     let solved = correlation.cholesky().unwrap().solve(&scaled);
-    Outcome { nees: scaled.dot(&solved), parameters: n, nis: calibration.statistics().nis_per_dof(), worst }
+    Outcome {
+        nees: scaled.dot(&solved),
+        parameters: n,
+        nis: calibration.statistics().nis_per_dof(),
+        scaled: scaled.iter().copied().collect(),
+        worst,
+    }
 }

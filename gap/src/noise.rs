@@ -1,0 +1,121 @@
+//! The noise first: wrong noise raises false alarms that no other test repairs.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::linear::{Noise, Recorded, run};
+use crate::prices::{Prices, groups_of};
+use crate::recording::Recording;
+
+/// Scales are sought between a third of what is stated and three times that.
+pub const CAP: f64 = 3.0;
+/// Steps the fit looks at, about.
+const STEPS: usize = 900;
+/// Standard deviation of the logarithm of a scale before the fit.
+const PRIOR: f64 = 1.0;
+
+/// The prices of all candidates of a recording under `noise`, and the log-likelihood of the base filter.
+pub(crate) fn price(recording: &Recording, noise: &Noise) -> Option<(f64, Prices)> {
+    let priced = recording.candidates();
+    let found = run(recording, &recording.base(), &Recorded(&priced), noise, &mut |_| {})?;
+    let sigma = priced.iter().map(|c| recording.columns[*c].prior).collect();
+    Some((
+        found.log_likelihood,
+        Prices::new(&found.gram, sigma, groups_of(&recording.columns, &priced)),
+    ))
+}
+
+/// Log-likelihood of the filter with every candidate, and a weak preference for what is stated.
+fn objective(recording: &Recording, x: &Vector3<f64>) -> f64 {
+    let noise = Noise { gyro: x[0].exp(), accel: x[1].exp(), reference: x[2].exp() };
+    match price(recording, &noise) {
+        Some((log_likelihood, prices)) => {
+            log_likelihood + prices.gain(&prices.all()) - 0.5 * x.norm_squared() / (PRIOR * PRIOR)
+        }
+        None => f64::NEG_INFINITY,
+    }
+}
+
+/// Objective at several places, on two threads.
+fn objectives(recording: &Recording, places: &[Vector3<f64>]) -> Vec<f64> {
+    let (left, right) = places.split_at(places.len() / 2);
+    std::thread::scope(|scope| {
+        let other = scope.spawn(|| left.iter().map(|x| objective(recording, x)).collect::<Vec<_>>());
+        let mine: Vec<f64> = right.iter().map(|x| objective(recording, x)).collect();
+        let mut all = other.join().unwrap_or_else(|_| vec![f64::NEG_INFINITY; left.len()]);
+        all.extend(mine);
+        all
+    })
+}
+
+/// Fits the noise scales under base and all candidates by Newton's method in their logarithms.
+pub(crate) fn fit(recording: &Recording) -> Noise {
+    let keep = (recording.updates() / STEPS).max(1);
+    let short;
+    let recording = if keep > 1 {
+        short = recording.decimated(keep);
+        &short
+    } else {
+        recording
+    };
+    let limit = CAP.ln();
+    let unit = |i: usize| Vector3::ith(i, 1.0);
+    let h = 0.12;
+    let mut x = Vector3::zeros();
+    for _ in 0..8 {
+        let mut places = vec![x];
+        for i in 0..3 {
+            places.push(x + unit(i) * h);
+            places.push(x - unit(i) * h);
+        }
+        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+            places.push(x + (unit(i) + unit(j)) * h);
+        }
+        let f = objectives(recording, &places);
+        let mut gradient = Vector3::zeros();
+        let mut curvature = Matrix3::zeros();
+        for i in 0..3 {
+            let (up, down) = (f[1 + 2 * i], f[2 + 2 * i]);
+            gradient[i] = (up - down) / (2.0 * h);
+            curvature[(i, i)] = ((2.0 * f[0] - up - down) / (h * h)).max(1.0);
+        }
+        for (k, (i, j)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+            let cross = -(f[7 + k] - f[1 + 2 * i] - f[1 + 2 * j] + f[0]) / (h * h);
+            let bound = 0.9 * f64::sqrt(curvature[(i, i)] * curvature[(j, j)]);
+            curvature[(i, j)] = cross.clamp(-bound, bound);
+            curvature[(j, i)] = curvature[(i, j)];
+        }
+        // at a bound that the gradient pushes against, the others move on their own
+        for i in 0..3 {
+            if x[i].abs() < limit || x[i] * gradient[i] <= 0.0 {
+                continue;
+            }
+            gradient[i] = 0.0;
+            for j in (0..3).filter(|j| *j != i) {
+                curvature[(i, j)] = 0.0;
+                curvature[(j, i)] = 0.0;
+            }
+        }
+        let step = curvature.cholesky().map_or(gradient * 0.01, |c| c.solve(&gradient));
+        let step = step.map(|s| s.clamp(-0.7, 0.7));
+        let mut scale = 1.0;
+        let tries: Vec<Vector3<f64>> = [1.0, 0.3]
+            .iter()
+            .map(|s| (x + step * *s).map(|v| v.clamp(-limit, limit)))
+            .collect();
+        let g = objectives(recording, &tries);
+        let next = if g[0] >= f[0] {
+            tries[0]
+        } else if g[1] >= f[0] {
+            tries[1]
+        } else {
+            scale = 0.0;
+            x
+        };
+        let moved = (next - x).amax();
+        x = next;
+        if scale == 0.0 || moved < 0.02 {
+            break;
+        }
+    }
+    Noise { gyro: x[0].exp(), accel: x[1].exp(), reference: x[2].exp() }
+}

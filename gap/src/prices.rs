@@ -1,0 +1,194 @@
+//! What any set of candidates is worth, from one pass.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use crate::chi2::ln_survival;
+use crate::recording::Column;
+
+/// A direction of an effect in which its prior size would not even show as one standard deviation is left out of tests.
+const SEEN: f64 = 1.0;
+
+/// A candidate effect: columns that come and go together.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Group {
+    pub(crate) name: String,
+    /// Priced columns, in the order of its components.
+    pub(crate) members: Vec<usize>,
+}
+
+/// Score `b` and information `Lambda` of all priced columns about "nothing is missing", both scaled by the priors.
+#[derive(Clone, Debug)]
+pub(crate) struct Prices {
+    pub(crate) b: DVector<f64>,
+    pub(crate) lambda: DMatrix<f64>,
+    pub(crate) sigma: Vec<f64>,
+    pub(crate) groups: Vec<Group>,
+}
+
+/// What a group shows on top of others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Score {
+    /// Natural logarithm of the p-value.
+    pub(crate) ln_p: f64,
+    pub(crate) directions: usize,
+}
+
+impl Prices {
+    /// From the Gram matrix of a linear run; `sigma` holds the priors of the priced columns.
+    pub(crate) fn new(gram: &[f64], sigma: Vec<f64>, groups: Vec<Group>) -> Self {
+        let n = sigma.len();
+        let b = DVector::from_fn(n, |i, _| gram[i + 1] * sigma[i]);
+        let lambda = DMatrix::from_fn(n, n, |i, j| gram[(i + 1) * (n + 1) + j + 1] * sigma[i] * sigma[j]);
+        Self { b, lambda, sigma, groups }
+    }
+
+    /// Columns of some groups.
+    pub(crate) fn members(&self, groups: &[usize]) -> Vec<usize> {
+        groups.iter().flat_map(|g| self.groups[*g].members.iter().copied()).collect()
+    }
+
+    pub(crate) fn all(&self) -> Vec<usize> {
+        (0..self.groups.len()).collect()
+    }
+
+    pub(crate) fn find(&self, name: &str) -> Option<usize> {
+        self.groups.iter().position(|g| g.name == name)
+    }
+
+    /// `Lambda + 1` of some columns, factored.
+    fn posterior_factor(&self, members: &[usize]) -> Option<Cholesky<f64, Dyn>> {
+        let mut m = self.lambda.select_rows(members).select_columns(members);
+        for i in 0..members.len() {
+            m[(i, i)] += 1.0;
+        }
+        Cholesky::new(m)
+    }
+
+    /// `logL(base + groups) - logL(base)`; exact for a linear filter.
+    pub(crate) fn gain(&self, groups: &[usize]) -> f64 {
+        let members = self.members(groups);
+        if members.is_empty() {
+            return 0.0;
+        }
+        let Some(factor) = self.posterior_factor(&members) else { return f64::NAN };
+        let b = self.b.select_rows(&members);
+        0.5 * b.dot(&factor.solve(&b)) - factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>()
+    }
+
+    /// Estimates of the columns of some groups and their covariance, both in physical units.
+    pub(crate) fn posterior(&self, groups: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>)> {
+        let members = self.members(groups);
+        let factor = self.posterior_factor(&members)?;
+        let scale = DVector::from_iterator(members.len(), members.iter().map(|i| self.sigma[*i]));
+        let mean = factor.solve(&self.b.select_rows(&members)).component_mul(&scale);
+        let mut covariance = factor.inverse();
+        for i in 0..members.len() {
+            for j in 0..members.len() {
+                covariance[(i, j)] *= scale[i] * scale[j];
+            }
+        }
+        Some((mean, covariance))
+    }
+
+    /// Log of the e-value of some groups: how much better this log is predicted by what another said of them (mean and
+    /// covariance, physical) than by their absence.
+    pub(crate) fn ln_e(&self, groups: &[usize], mean: &DVector<f64>, covariance: &DMatrix<f64>) -> Option<f64> {
+        let members = self.members(groups);
+        let scale = DVector::from_iterator(members.len(), members.iter().map(|i| self.sigma[*i]));
+        let mean = mean.component_div(&scale);
+        let mut prior = covariance.clone();
+        for i in 0..members.len() {
+            for j in 0..members.len() {
+                prior[(i, j)] /= scale[i] * scale[j];
+            }
+        }
+        let inverse = Cholesky::new(prior.clone())?.inverse();
+        let lambda = self.lambda.select_rows(&members).select_columns(&members);
+        let b = self.b.select_rows(&members) + &inverse * &mean;
+        let sum = Cholesky::new(&lambda + &inverse)?;
+        // ln det(1 + C Lambda) = ln det(C^-1 + Lambda) + ln det C
+        let ln_det = |c: &Cholesky<f64, Dyn>| 2.0 * c.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+        let det = ln_det(&sum) + ln_det(&Cholesky::new(prior)?);
+        Some(0.5 * b.dot(&sum.solve(&b)) - 0.5 * mean.dot(&(&inverse * &mean)) - 0.5 * det)
+    }
+
+    /// Score and information of all columns once `groups` are in the filter.
+    pub(crate) fn given(&self, groups: &[usize]) -> Option<Self> {
+        let members = self.members(groups);
+        if members.is_empty() {
+            return Some(self.clone());
+        }
+        let factor = self.posterior_factor(&members)?;
+        let cross = self.lambda.select_rows(&members);
+        let gained = factor.solve(&cross);
+        let b = &self.b - gained.transpose() * self.b.select_rows(&members);
+        let lambda = &self.lambda - cross.transpose() * gained;
+        Some(Self { b, lambda, sigma: self.sigma.clone(), groups: self.groups.clone() })
+    }
+
+    /// The test of a group: its directions that can be seen, each scaled to unit variance.
+    pub(crate) fn test(&self, group: usize) -> Option<Test> {
+        let members = &self.groups[group].members;
+        let lambda = self.lambda.select_rows(members).select_columns(members);
+        let eigen = lambda.symmetric_eigen();
+        let mut directions = Vec::new();
+        for (k, value) in eigen.eigenvalues.iter().enumerate() {
+            if *value > SEEN {
+                let root = value.sqrt();
+                directions.push(eigen.eigenvectors.column(k).iter().map(|v| v / root).collect());
+            }
+        }
+        (!directions.is_empty()).then(|| Test { members: members.clone(), directions })
+    }
+
+    /// What a group shows in this score.
+    pub(crate) fn score(&self, group: usize) -> Score {
+        match self.test(group) {
+            Some(test) => Score { ln_p: test.ln_p(self.b.as_slice()), directions: test.directions.len() },
+            None => Score { ln_p: 0.0, directions: 0 },
+        }
+    }
+
+    /// Standard deviations of the prior that the best and the worst seen direction of a group would show.
+    pub(crate) fn excitation(&self, group: usize) -> (f64, f64) {
+        let members = &self.groups[group].members;
+        let eigen = self.lambda.select_rows(members).select_columns(members).symmetric_eigenvalues();
+        (eigen.max().max(0.0).sqrt(), eigen.min().max(0.0).sqrt())
+    }
+
+    /// The most significant of some groups.
+    pub(crate) fn worst(&self, among: impl Iterator<Item = usize>) -> Option<(usize, Score)> {
+        among.map(|g| (g, self.score(g))).min_by(|a, b| a.1.ln_p.total_cmp(&b.1.ln_p))
+    }
+}
+
+/// How a group is tested against "nothing missing".
+pub(crate) struct Test {
+    members: Vec<usize>,
+    directions: Vec<Vec<f64>>,
+}
+
+impl Test {
+    /// Natural logarithm of the p-value under score `b` of all columns.
+    pub(crate) fn ln_p(&self, b: &[f64]) -> f64 {
+        let mut t = 0.0;
+        for direction in &self.directions {
+            let along: f64 = direction.iter().zip(&self.members).map(|(v, m)| v * b[*m]).sum();
+            t += along * along;
+        }
+        ln_survival(t, self.directions.len())
+    }
+}
+
+/// Groups the columns of effects, in the order of their first column; `priced` lists the priced ones.
+pub(crate) fn groups_of(columns: &[Column], priced: &[usize]) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for (at, c) in priced.iter().enumerate() {
+        let name = columns[*c].info.block;
+        match groups.iter_mut().find(|g| g.name == name) {
+            Some(group) => group.members.push(at),
+            None => groups.push(Group { name: name.into(), members: vec![at] }),
+        }
+    }
+    groups
+}

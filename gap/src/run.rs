@@ -1,0 +1,138 @@
+//! The nonlinear runs: the declared filter with chosen candidates, closed loop, relinearised, recorded.
+
+use calib_core::{Array, Block, Extended, Filter, Shape};
+use sinscal::{Calibration, Diverged, Sample, Setup, StateInfo, Statistics, Strapdown};
+
+use crate::candidates::prior_factor;
+use crate::recording::{CORE, Column, Recorder, Recording};
+
+/// Estimates that still move by more than this many standard deviations call for another pass.
+const SETTLED: f64 = 0.3;
+/// No more passes than this.
+const PASSES: usize = 5;
+
+/// A log to be diagnosed: its samples, and the description that goes with them.
+#[derive(Clone, Copy, Debug)]
+pub struct Log<'a> {
+    /// Samples in the order of time.
+    pub samples: &'a [Sample],
+    /// What must be known to run a filter over them.
+    pub setup: &'a Setup<'a>,
+}
+
+/// A filter was really run.
+#[derive(Clone, Debug)]
+pub(crate) struct Ran {
+    pub(crate) recording: Recording,
+    pub(crate) statistics: Statistics,
+    /// Passes made.
+    pub(crate) passes: usize,
+    /// Estimate and standard deviation of every parameter, truth.
+    pub(crate) estimate: Vec<(f64, f64)>,
+}
+
+/// What a diagnosis must be able to do with a declared filter, whatever its sizes.
+pub(crate) trait Machine: Sync {
+    /// Name of the declared filter.
+    fn name(&self) -> &'static str;
+    /// Whether the declared filter has a block.
+    fn has(&self, block: &str) -> bool;
+    /// Runs the filter with those candidates that `takes` names, until it has settled.
+    fn run(&self, log: &Log, takes: &(dyn Fn(&str) -> bool + Sync)) -> Result<Ran, Diverged>;
+}
+
+/// Filter `F` with the candidates of `B`, of which there are `K` states.
+pub(crate) struct Declared<F, B, K>(core::marker::PhantomData<fn() -> (F, B, K)>);
+
+impl<F, B, K> Declared<F, B, K> {
+    pub(crate) fn new() -> Self {
+        Self(core::marker::PhantomData)
+    }
+}
+
+fn blocks<B: Block>() -> Vec<&'static str> {
+    let mut names = Vec::new();
+    B::states(&mut |info| {
+        if !names.contains(&info.block) {
+            names.push(info.block);
+        }
+    });
+    names
+}
+
+impl<F, B, K> Machine for Declared<F, B, K>
+where
+    F: Filter<Dynamics = Strapdown>,
+    B: Block<Dynamics = Strapdown>,
+    K: 'static,
+    Extended<F, B, K>: Filter<Dynamics = Strapdown>,
+{
+    fn name(&self) -> &'static str {
+        F::NAME
+    }
+
+    fn has(&self, block: &str) -> bool {
+        // a filter with the dither coupling knows the dither's size effect, without states for it
+        blocks::<F>().contains(&block)
+            || block == "dither-size-effect" && F::SET.contains(sinscal::blocks::set::DITHER)
+    }
+
+    fn run(&self, log: &Log, takes: &(dyn Fn(&str) -> bool + Sync)) -> Result<Ran, Diverged> {
+        let own = F::Shape::STATES;
+        let mut columns: Vec<Column> = Vec::new();
+        let prior = |state: usize, info: &StateInfo, sigma: f64| {
+            if state < own {
+                sigma
+            } else if self.has(info.block) || !takes(info.block) {
+                0.0
+            } else {
+                sigma * prior_factor(log.setup, info.block)
+            }
+        };
+        let mut calibration =
+            Calibration::<Extended<F, B, K>>::with_prior(log.setup, |state, info, sigma| {
+                let sigma = prior(state, info, sigma);
+                if state >= CORE {
+                    columns.push(Column { info: *info, prior: sigma, base: state < own, about: 0.0 });
+                }
+                sigma
+            });
+        let covariance = calibration.covariance();
+        let start = core::array::from_fn(|i| covariance[i][i].sqrt());
+        let mut relaxing = Vec::new();
+        Extended::<F, B, K>::relaxation(&mut |state, r: calib_core::Relaxation<f64>| {
+            relaxing.push((state - CORE, r.rate, r.density));
+        });
+        for sample in log.samples {
+            calibration.step(sample)?;
+        }
+        let mut passes = 1;
+        loop {
+            let about = calibration.estimate();
+            calibration.begin_pass();
+            let mut recorder = Recorder::<Extended<F, B, K>>::new();
+            for sample in log.samples {
+                calibration.step_observed(sample, &mut recorder)?;
+            }
+            passes += 1;
+            let estimate = calibration.estimate();
+            let covariance = calibration.covariance();
+            let mut moved: f64 = 0.0;
+            let mut settled = Vec::with_capacity(columns.len());
+            for (i, column) in columns.iter_mut().enumerate() {
+                let state = CORE + i;
+                column.about = about[state];
+                let sigma = covariance[state][state].max(0.0).sqrt();
+                if sigma > 0.0 {
+                    moved = moved.max((estimate[state] - about[state]).abs() / sigma);
+                }
+                settled.push((estimate.as_slice()[state], sigma));
+            }
+            if moved < SETTLED || passes >= PASSES {
+                let recording = Recording { columns, start, steps: recorder.steps, relaxing };
+                let statistics = *calibration.statistics();
+                return Ok(Ran { recording, statistics, passes, estimate: settled });
+            }
+        }
+    }
+}
