@@ -92,7 +92,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let found = kalman.update(&(), &(), residuals, None)?;
         if second % 30 == 0 {
             let p = kalman.covariance();
-            let view = kalman.view(p.as_flattened());
+            let view = Tracker::view(kalman.x(), &p);
             let (position, velocity) = (view.position(), view.velocity());
             println!(
                 "{second:4} s  at ({:7.1}, {:7.1}) m +- {:4.1}   moving ({:5.2}, {:5.2}) m/s +- {:4.2}   NIS {:.2}",

@@ -10,7 +10,7 @@ use hybrid_array::typenum::{Sum, Unsigned};
 use hybrid_array::{ArraySize, AssocArraySize};
 
 use crate::{
-    Array, Block, BlockSet, Dim, Dynamics, Estimate, Filter, Need, Real, Relaxation, Shape, StateInfo, View,
+    Array, Block, BlockSet, Dim, Dynamics, Entries, Estimate, Filter, Need, Real, Relaxation, Shape, StateInfo, View,
 };
 
 /// Sizes given as types: `N` states of which the first `C` move, measured in `M` rows.
@@ -43,6 +43,12 @@ impl<E: Clone + core::fmt::Debug, N: ArraySize> Array<E> for hybrid_array::Array
     #[inline(always)]
     fn as_mut_slice(&mut self) -> &mut [E] {
         self
+    }
+}
+
+impl<T: Copy, N: ArraySize> Entries<T> for hybrid_array::Array<hybrid_array::Array<T, N>, N> {
+    fn entry(&self, i: usize, j: usize) -> T {
+        self[i][j]
     }
 }
 

@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 use core::ops::IndexMut;
 
-use crate::{Block, Dynamics, Real};
+use crate::{Block, Dynamics, Entries, Estimate, Real, View};
 
 /// Sizes of a filter as types: the arrays it needs.
 ///
@@ -20,7 +20,7 @@ pub trait Shape: Sized + 'static {
     /// N numbers.
     type Vector<T: Real>: Array<T>;
     /// N x N numbers, row after row.
-    type Matrix<T: Real>: Array<Self::Vector<T>>;
+    type Matrix<T: Real>: Array<Self::Vector<T>> + Entries<T>;
     /// C x N numbers: the non-trivial rows of the transition matrix.
     type CoreRows<T: Real>: Array<Self::Vector<T>>;
     /// C x C numbers.
@@ -125,6 +125,11 @@ pub trait Filter: Block {
     type Shape: Shape;
     /// The measurements, as indices into [`Dynamics::CHANNELS`], in the order of the rows.
     const MEASURES: &'static [usize];
+
+    /// Named access to a state vector and its covariance: `F::view(&x, &p).inner_lever().sigma(0)`.
+    fn view<'a, T: Real>(x: &'a Vector<Self, T>, p: &'a Matrix<Self, T>) -> Self::View<'a, T> {
+        Self::View::at(Estimate { x: x.as_slice(), p }, 0)
+    }
 
     /// Row of the measurement matrix that holds `channel` of the dynamics, if it is measured.
     #[inline(always)]

@@ -3,8 +3,8 @@
 use core::marker::PhantomData;
 
 use crate::{
-    Array, Conventional, CoreVector, Dynamics, Estimate, Fade, Filter, Form, Matrix, Measurement,
-    MeasurementMatrix, MeasurementRows, Real, Shape, Transition, Vector, View,
+    Array, Conventional, CoreVector, Dynamics, Fade, Filter, Form, Matrix, Measurement,
+    MeasurementMatrix, MeasurementRows, Real, Shape, Transition, Vector,
 };
 
 /// Residuals of a declared filter's measurements, assembled channel by channel.
@@ -150,11 +150,6 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
         let mut p = F::Shape::matrix(T::zero());
         C::dense::<F::Shape, T>(&self.cov, &mut p);
         p
-    }
-
-    /// Named access to state and covariance; `p` is what [`covariance`](Self::covariance) returned.
-    pub fn view<'a>(&'a self, p: &'a [T]) -> F::View<'a, T> {
-        F::View::at(Estimate { x: self.x.as_slice(), p }, 0)
     }
 
     /// Time update over the interval of `transition`; `density` is the white noise on the leading states,

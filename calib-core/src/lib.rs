@@ -35,4 +35,4 @@ pub use observability::{ObservabilityRows, system_rows};
 pub use real::Real;
 pub use transition::{Transition, restrict};
 pub use ud::Ud;
-pub use view::{BlockView, Estimate, View};
+pub use view::{BlockView, Entries, Estimate, View};

@@ -4,13 +4,25 @@ use core::marker::PhantomData;
 
 use crate::{Block, Real};
 
+/// A square matrix by its entries, whatever its size.
+pub trait Entries<T> {
+    /// The entry in row `i` and column `j`.
+    fn entry(&self, i: usize, j: usize) -> T;
+}
+
+impl<T: Copy, const N: usize> Entries<T> for [[T; N]; N] {
+    fn entry(&self, i: usize, j: usize) -> T {
+        self[i][j]
+    }
+}
+
 /// A state vector with its covariance, borrowed.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Estimate<'a, T: Real> {
     /// The states, in the order of the declaration.
     pub x: &'a [T],
-    /// The covariance, row after row; as many rows as states.
-    pub p: &'a [T],
+    /// The covariance; as many rows as states.
+    pub p: &'a dyn Entries<T>,
 }
 
 /// A part of an [`Estimate`] that knows its block; the derive writes one for every struct of blocks.
@@ -58,7 +70,7 @@ impl<'a, B: Block, T: Real> BlockView<'a, B, T> {
     /// When an index is not below the block's dimension.
     pub fn covariance(&self, i: usize, j: usize) -> T {
         assert!(i < B::DIM && j < B::DIM, "component outside the block");
-        self.estimate.p[(self.offset + i) * self.estimate.x.len() + self.offset + j]
+        self.estimate.p.entry(self.offset + i, self.offset + j)
     }
 
     /// Standard deviation of component `i` of the block.

@@ -15,8 +15,6 @@ use crate::output;
 const COMPLETE: &str = "43d-b";
 /// The filter that lacks the inner lever arm, the delay, the temperature and the dither.
 const LACKING: &str = "36d-p";
-/// The reference of a simulated log has independent readings at 1 Hz: all are used.
-const UPDATE_RATE: f64 = 10.0;
 
 /// Draw a unit, simulate its calibration run, calibrate it and compare with the truth
 #[derive(Args)]
@@ -100,7 +98,7 @@ impl FilterVisitor for Calibrate {
 
     fn visit<F: Filter<Dynamics = Strapdown>>(self) -> Self::Output {
         let description = self.simulation.description().clone();
-        let mut run = Box::new(Calibration::<F>::new(&description.setup(UPDATE_RATE, &[])));
+        let mut run = Box::new(Calibration::<F>::new(&description.setup(&[])));
         for sample in self.simulation {
             run.step(&sample).into_diagnostic()?;
         }

@@ -2,9 +2,11 @@
 
 mod candidates;
 mod chi2;
+mod dictionary;
 mod linear;
 mod name;
 mod noise;
+mod open;
 mod prices;
 mod random;
 mod recording;
@@ -46,5 +48,11 @@ where
         let post = s.prices.posterior(&set.groups).unwrap();
         println!("  est {:?}", post.0.iter().enumerate().map(|(i, v)| format!("{v:.3e}+-{:.1e}", post.1[(i, i)].sqrt())).collect::<Vec<_>>());
     }
+    let open = open::Open::new(&s, 0.005, 1).unwrap();
+    println!("dictionary {} families th {} {:?}", open.families, open.threshold, t.elapsed());
+    let best = &found.sets[0].groups;
+    for (g, sc) in open.loud(best).iter().take(5) { println!("  loud {} {:?} gain {:.1}", open.prices.groups[*g].name, sc.ln_p, open.gain_on(*g, best)); }
+    for (g, sc) in open.loud(&[]).iter().take(3) { println!("  loud on base {} {:?} gain {:.1}", open.prices.groups[*g].name, sc.ln_p, open.gain_on(*g, &[])); }
+    for g in open.rivals(best) { println!("  rival {}", open.prices.groups[g].name); }
     println!("{:?}", t.elapsed());
 }

@@ -6,8 +6,8 @@ use crate::linear::{Noise, Recorded, run};
 use crate::prices::{Prices, groups_of};
 use crate::recording::Recording;
 
-/// Scales are sought between a third of what is stated and three times that.
-pub const CAP: f64 = 3.0;
+/// Scales are sought between 2/7 of what is stated and 3.5 times that.
+pub const CAP: f64 = 3.5;
 /// Steps the fit looks at, about.
 const STEPS: usize = 900;
 /// Standard deviation of the logarithm of a scale before the fit.
@@ -61,7 +61,7 @@ pub(crate) fn fit(recording: &Recording) -> Noise {
     let unit = |i: usize| Vector3::ith(i, 1.0);
     let h = 0.12;
     let mut x = Vector3::zeros();
-    for _ in 0..8 {
+    for _ in 0..15 {
         let mut places = vec![x];
         for i in 0..3 {
             places.push(x + unit(i) * h);
@@ -76,7 +76,9 @@ pub(crate) fn fit(recording: &Recording) -> Noise {
         for i in 0..3 {
             let (up, down) = (f[1 + 2 * i], f[2 + 2 * i]);
             gradient[i] = (up - down) / (2.0 * h);
-            curvature[(i, i)] = ((2.0 * f[0] - up - down) / (h * h)).max(1.0);
+            // where the objective is not concave: a step along the gradient
+            let bent = (2.0 * f[0] - up - down) / (h * h);
+            curvature[(i, i)] = bent.max(gradient[i].abs()).max(1.0);
         }
         for (k, (i, j)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
             let cross = -(f[7 + k] - f[1 + 2 * i] - f[1 + 2 * j] + f[0]) / (h * h);
@@ -97,23 +99,15 @@ pub(crate) fn fit(recording: &Recording) -> Noise {
         }
         let step = curvature.cholesky().map_or(gradient * 0.01, |c| c.solve(&gradient));
         let step = step.map(|s| s.clamp(-0.7, 0.7));
-        let mut scale = 1.0;
-        let tries: Vec<Vector3<f64>> = [1.0, 0.3]
-            .iter()
-            .map(|s| (x + step * *s).map(|v| v.clamp(-limit, limit)))
-            .collect();
+        let tries: Vec<Vector3<f64>> =
+            [1.0, 0.5, 0.2, 0.05].iter().map(|s| (x + step * *s).map(|v| v.clamp(-limit, limit))).collect();
         let g = objectives(recording, &tries);
-        let next = if g[0] >= f[0] {
-            tries[0]
-        } else if g[1] >= f[0] {
-            tries[1]
-        } else {
-            scale = 0.0;
-            x
+        let Some(best) = (0..tries.len()).filter(|k| g[*k] > f[0]).max_by(|a, b| g[*a].total_cmp(&g[*b])) else {
+            break;
         };
-        let moved = (next - x).amax();
-        x = next;
-        if scale == 0.0 || moved < 0.02 {
+        let moved = (tries[best] - x).amax();
+        x = tries[best];
+        if moved < 0.02 {
             break;
         }
     }

@@ -26,6 +26,10 @@ pub struct Description {
     pub readings: bool,
     /// Whether it has the attitude.
     pub attitude: bool,
+    /// Whether it has the amplitudes of the dither.
+    pub dither: bool,
+    /// How often the reference may be used, Hz: as often as it is read, or once a second where it is a fixed point.
+    pub update_rate: f64,
     /// Random walks of the sensors.
     pub noise: SensorNoise,
     /// Where temperature effects vanish, degC.
@@ -48,14 +52,14 @@ impl Description {
         self
     }
 
-    /// What a calibration of the log needs; the reference is used at most `update_rate` times a second.
-    pub fn setup<'a>(&self, update_rate: f64, priors: &'a [(&'a str, f64)]) -> Setup<'a> {
+    /// What a calibration of the log needs, with standard deviations that replace the priors of blocks.
+    pub fn setup<'a>(&self, priors: &'a [(&'a str, f64)]) -> Setup<'a> {
         Setup {
             rate: self.rate,
             site: self.site,
             initial: self.initial,
             reference: self.reference,
-            update_rate,
+            update_rate: self.update_rate,
             noise: self.noise,
             reference_temperature: self.reference_temperature,
             outer_lever: self.outer_lever,
@@ -99,5 +103,55 @@ impl Description {
         let l = self.outer_lever;
         line(format!("xyz_m = [{:?}, {:?}, {:?}]", l.x, l.y, l.z));
         text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use toml::de::DeTable;
+
+    use crate::{Scenario, Simulation};
+
+    #[test]
+    fn text_is_toml_with_the_fields_of_the_log_format() {
+        let scenario =
+            Scenario::parse("[reference]\nattitude = true\n[gyro]\nrandom_walk = \"0 rad/sqrt(s)\"").unwrap();
+        let simulation = Simulation::new(&scenario, 3).unwrap();
+        let text = simulation.description().to_toml();
+        let root = DeTable::parse(&text).unwrap();
+        let number = |section: &str, key: &str| {
+            let table = root.get_ref().get(section).and_then(|value| value.get_ref().as_table());
+            let value = table.and_then(|table| table.get(key)).map(|value| value.get_ref().clone());
+            value.and_then(|value| value.as_float()?.as_str().parse::<f64>().ok()).unwrap_or(f64::NAN)
+        };
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-12 * b.abs();
+        assert!(close(number("imu", "rate_hz"), 50.0), "{text}");
+        assert!(close(number("site", "latitude_deg"), 32.06));
+        assert!(close(number("initial", "level_sigma_deg"), 0.03));
+        assert!(close(number("reference", "velocity_sigma_m_s"), 1e-3));
+        assert!(close(number("reference", "attitude_sigma_deg"), 0.01));
+        assert!(close(number("noise", "accel_vrw_ug_sqrt_hz"), 5.0));
+        // no noise is described by very little
+        let walk = number("noise", "gyro_arw_deg_sqrt_h");
+        assert!(walk > 0.0 && walk < 1e-6);
+        assert!(close(number("temperature", "reference_c"), 25.0));
+        assert!(text.contains("quaternion_wxyz = [") && text.contains("xyz_m = [0.0, 0.0, 0.0]"));
+    }
+
+    #[test]
+    fn initial_attitude_errs_by_its_sigmas() {
+        let scenario = Scenario::parse("[motion]\npath = \"still\"").unwrap();
+        let (mut level, mut heading) = (0.0, 0.0);
+        let n = 400;
+        for seed in 0..n {
+            let simulation = Simulation::new(&scenario, seed).unwrap();
+            let initial = simulation.description().initial;
+            // C_hat = (I - [phi x]) C
+            let phi = -(initial.attitude * simulation.motion(0.0).0.attitude().inverse()).scaled_axis();
+            level += (phi.x * phi.x + phi.y * phi.y) / (2.0 * initial.level_sigma.powi(2));
+            heading += (phi.z / initial.heading_sigma).powi(2);
+        }
+        let n = n as f64;
+        assert!((level / n - 1.0).abs() < 0.25 && (heading / n - 1.0).abs() < 0.35, "{level} {heading}");
     }
 }

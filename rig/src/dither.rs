@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::environment::Amplitudes;
-use crate::random::Stream;
+use crate::random::{Seed, Stream};
 use crate::scenario::DitherPlan;
 use crate::sensors::size_effect;
 
@@ -68,11 +68,12 @@ pub struct DitherMotion {
 }
 
 impl DitherMotion {
-    /// The dither of unit `seed`, in steps of `dt` seconds.
-    pub fn new(plan: &DitherPlan, seed: u64, dt: f64) -> Self {
+    /// The dither in a run of a unit, in steps of `dt` seconds.
+    pub fn new(plan: &DitherPlan, seed: Seed, dt: f64) -> Self {
         let normal = 1.0 / (1.0 + plan.modulation * plan.modulation).sqrt();
         let axes = [0, 1, 2].map(|i| {
-            let mut random = Stream::new(seed, ["dither/cycles-x", "dither/cycles-y", "dither/cycles-z"][i]);
+            let mut random =
+                Stream::in_run(seed, ["dither/cycles-x", "dither/cycles-y", "dither/cycles-z"][i]);
             let phase = TAU * random.uniform();
             Oscillator {
                 phase,
@@ -135,7 +136,7 @@ impl FullDither {
         amplitudes: &Amplitudes,
         arms: &Matrix3<f64>,
         steps: usize,
-        seed: u64,
+        seed: Seed,
         dt: f64,
     ) -> Self {
         Self {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
 
-use crate::random::Stream;
+use crate::random::{Seed, Stream};
 
 /// Temperature around the sensors over time.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,9 +88,9 @@ fn follow(value: f64, from: f64, to: f64, lag: f64, dt: f64) -> f64 {
 }
 
 impl Temperatures {
-    pub(crate) fn new(plan: &TemperaturePlan, seed: u64, dt: f64) -> Self {
+    pub(crate) fn new(plan: &TemperaturePlan, seed: Seed, dt: f64) -> Self {
         let start = plan.profile.at(0.0);
-        let noise = Stream::new(seed, "noise/thermometers");
+        let noise = Stream::in_run(seed, "noise/thermometers");
         Self { plan: plan.clone(), around: start, before: start, now: start, thermometer: start, noise, dt }
     }
 
@@ -182,7 +182,7 @@ mod tests {
             thermometer_noise: 0.0,
             rate: 1.0,
         };
-        let mut temperatures = Temperatures::new(&plan, 1, 0.1);
+        let mut temperatures = Temperatures::new(&plan, Seed { unit: 1, run: 0 }, 0.1);
         for k in 1..=50_000 {
             temperatures.advance(f64::from(k) * 0.1);
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::random::Stream;
+use crate::random::{Seed, Stream};
 
 /// Noise figures of a triad, the same on each axis, in the unit of the measured quantity (rad/s or m/s^2) and seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,8 +40,8 @@ pub(crate) struct Noise {
 
 impl Noise {
     /// The noise of triad `name` of unit `seed`, in steps of `dt` seconds.
-    pub(crate) fn new(figures: &NoiseFigures, seed: u64, name: &str, dt: f64) -> Self {
-        let stream = |what: &str| Stream::new(seed, &format!("noise/{name}-{what}"));
+    pub(crate) fn new(figures: &NoiseFigures, seed: Seed, name: &str, dt: f64) -> Self {
+        let stream = |what: &str| Stream::in_run(seed, &format!("noise/{name}-{what}"));
         let mut instability = stream("instability");
         let correlated = if figures.instability > 0.0 {
             instability.normals() * figures.instability
@@ -91,10 +91,12 @@ impl Noise {
 mod tests {
     use super::*;
 
+    const SEED: Seed = Seed { unit: 3, run: 0 };
+
     #[test]
     fn quantisation_loses_nothing() {
         let figures = NoiseFigures { quantum: 1e-3, ..NoiseFigures::default() };
-        let mut noise = Noise::new(&figures, 1, "test", 0.01);
+        let mut noise = Noise::new(&figures, SEED, "test", 0.01);
         let (mut sum, mut true_sum) = (0.0, 0.0);
         for i in 0..1000 {
             let mut step = Vector3::repeat(1.234e-4 * f64::from(i % 7));
@@ -112,7 +114,7 @@ mod tests {
         let n = 100_000;
         let dt = 0.02;
         let figures = NoiseFigures { white: 2.0, ..NoiseFigures::default() };
-        let mut noise = Noise::new(&figures, 3, "test", dt);
+        let mut noise = Noise::new(&figures, SEED, "test", dt);
         let mut square = 0.0;
         for _ in 0..n {
             let mut step = Vector3::zeros();
@@ -122,7 +124,7 @@ mod tests {
         assert!((square / f64::from(n) / (4.0 * dt) - 1.0).abs() < 0.02);
 
         let figures = NoiseFigures { instability: 0.5, correlation: 1.0, ..NoiseFigures::default() };
-        let mut noise = Noise::new(&figures, 3, "test", dt);
+        let mut noise = Noise::new(&figures, SEED, "test", dt);
         let (mut square, mut lagged) = (0.0, 0.0);
         let mut history = std::collections::VecDeque::new();
         for _ in 0..n {
@@ -131,10 +133,10 @@ mod tests {
             let bias = step / dt;
             square += bias.norm_squared() / 3.0;
             history.push_back(bias);
-            if history.len() > 50 {
-                if let Some(old) = history.pop_front() {
-                    lagged += old.dot(&bias) / 3.0;
-                }
+            if history.len() > 50
+                && let Some(old) = history.pop_front()
+            {
+                lagged += old.dot(&bias) / 3.0;
             }
         }
         let variance = square / f64::from(n);

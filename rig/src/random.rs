@@ -1,6 +1,6 @@
 //! Random numbers: one independent stream per purpose.
 //!
-//! ChaCha8 is keyed with the seed, and its 64-bit stream number is the FNV-1a hash of what the numbers are for, for
+//! ChaCha8 is keyed with the seed (and the run, for what is not the unit's own), and its 64-bit stream number is the FNV-1a hash of what the numbers are for, for
 //! instance `noise/gyro-walk`. Turning one thing off therefore leaves every other number as it was, and a
 //! unit's errors do not depend on how long its log is.
 
@@ -8,6 +8,15 @@ use chacha20::ChaCha8Rng;
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
+
+/// What random numbers depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Seed {
+    /// Which unit.
+    pub unit: u64,
+    /// Which run of that unit: another one has other noise.
+    pub run: u64,
+}
 
 /// Random numbers for one purpose.
 #[derive(Debug)]
@@ -21,11 +30,17 @@ impl Clone for Stream {
 }
 
 impl Stream {
-    /// The stream of `seed` for `purpose`.
+    /// The stream of unit `seed` for `purpose`, the same in every run.
     pub fn new(seed: u64, purpose: &str) -> Self {
+        Self::in_run(Seed { unit: seed, run: 0 }, purpose)
+    }
+
+    /// The stream of one run of a unit for `purpose`.
+    pub fn in_run(seed: Seed, purpose: &str) -> Self {
         let mut key = [0; 32];
-        key[..8].copy_from_slice(&seed.to_le_bytes());
+        key[..8].copy_from_slice(&seed.unit.to_le_bytes());
         key[8..15].copy_from_slice(b"sinscal");
+        key[16..24].copy_from_slice(&seed.run.to_le_bytes());
         let mut generator = ChaCha8Rng::from_seed(key);
         generator.set_stream(fnv1a(purpose.as_bytes()));
         Self(generator)

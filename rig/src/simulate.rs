@@ -9,7 +9,7 @@ use crate::environment::{Amplitudes, Temperatures};
 use crate::mechanics::{Felt, Place};
 use crate::motion::{Centre, Motion, Rotation};
 use crate::noise::Noise;
-use crate::random::Stream;
+use crate::random::{Seed, Stream};
 use crate::scenario::{DitherMode, Scenario, ScenarioError};
 use crate::sensors::{Conditions, Errors};
 use crate::truth::Truth;
@@ -17,6 +17,9 @@ use crate::truth::Truth;
 /// Nodes and weights of Gauss and Legendre's quadrature of three points over an interval of length one.
 pub(crate) const NODES: [(f64, f64); 3] =
     [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+
+/// A fixed point holds at every instant; it is used at this rate, Hz.
+const FIXED_POINT_RATE: f64 = 1.0;
 
 /// One unit on its table: an iterator over the samples of its log.
 ///
@@ -73,6 +76,7 @@ impl Simulation {
     pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, ScenarioError> {
         scenario.check()?;
         let truth = scenario.unit(seed);
+        let seed = Seed { unit: seed, run: scenario.run };
         let dt = 1.0 / scenario.rate;
         let (motion, _) = scenario.motion.build(&scenario.table);
         let table = scenario.table;
@@ -99,7 +103,9 @@ impl Simulation {
             },
             reference_temperature: scenario.temperature.reference,
             outer_lever: scenario.initial.outer_lever,
-            title: format!("Simulated unit {seed}"),
+            title: format!("Simulated: unit {}, run {}", seed.unit, seed.run),
+            dither: scenario.dither.mode != DitherMode::Off,
+            update_rate: if plan.readings { plan.rate } else { FIXED_POINT_RATE },
         };
         let tilt = Vector3::new(truth.value("reference-tilt", 0), truth.value("reference-tilt", 1), 0.0);
         let reference = References {
@@ -109,8 +115,8 @@ impl Simulation {
             delay: truth.value("reference-delay", 0),
             misalignment: UnitQuaternion::from_scaled_axis(truth.vector("reference-misalignment")),
             tilt: UnitQuaternion::from_scaled_axis(-tilt),
-            noise: Stream::new(seed, "noise/reference"),
-            attitude_noise: Stream::new(seed, "noise/reference-attitude"),
+            noise: Stream::in_run(seed, "noise/reference"),
+            attitude_noise: Stream::in_run(seed, "noise/reference-attitude"),
         };
         Ok(Self {
             dt,
@@ -224,10 +230,10 @@ impl Simulation {
 }
 
 impl Dither {
-    fn new(scenario: &Scenario, errors: &Errors, seed: u64) -> Self {
+    fn new(scenario: &Scenario, errors: &Errors, seed: Seed) -> Self {
         let plan = &scenario.dither;
-        let mut random = Stream::new(seed, "dither/amplitudes");
-        let spread = random.normals();
+        let spread = Stream::new(seed.unit, "dither/amplitudes").normals();
+        let mut random = Stream::in_run(seed, "dither/phases");
         let phase = Vector3::from_fn(|_, _| std::f64::consts::TAU * random.uniform());
         let amplitudes = (plan.mode != DitherMode::Off).then(|| Amplitudes {
             mean: plan.amplitude.component_mul(&(spread * plan.spread).add_scalar(1.0)),
@@ -244,7 +250,7 @@ impl Dither {
             full,
             every: (scenario.rate / plan.rate).round().max(1.0) as u64,
             reading_noise: plan.reading_noise,
-            noise: Stream::new(seed, "noise/dither-readings"),
+            noise: Stream::in_run(seed, "noise/dither-readings"),
         }
     }
 

@@ -15,6 +15,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::dither::DitherMotion;
+use crate::random::Seed;
 use crate::scenario::{DitherMode, DitherPlan};
 use crate::sensors::size_effect;
 
@@ -63,7 +64,7 @@ fn steady(amplitude: Vector3<f64>, frequency: Vector3<f64>, dt: f64) -> DitherMo
         frequency_noise: 0.0,
         simulation_rate: 1.0 / dt,
     };
-    DitherMotion::new(&plan, 0, dt).with_phases(&Vector3::zeros())
+    DitherMotion::new(&plan, Seed { unit: 0, run: 0 }, dt).with_phases(&Vector3::zeros())
 }
 
 impl Dithering {

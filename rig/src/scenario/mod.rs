@@ -14,7 +14,7 @@ use crate::motion::{
     Imperfections, Motion, NINETEEN_POSITIONS, Swing, TWO_AXIS, Turn, Turntable, eighteen_rotations, turns,
 };
 use crate::noise::NoiseFigures;
-use crate::random::Stream;
+use crate::random::{Seed, Stream};
 use crate::truth::Truth;
 
 pub use fault::{Fault, ScenarioError};
@@ -25,6 +25,8 @@ pub const DEFAULT_SCENARIO: &str = include_str!("default.toml");
 /// What is simulated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
+    /// Which run of the unit: another number is the same unit with other noise.
+    pub run: u64,
     /// Sampling rate, Hz.
     pub rate: f64,
     /// Where the table stands.
@@ -133,7 +135,8 @@ impl MotionPlan {
 /// What is measured of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReferencePlan {
-    /// Whether the log has readings; without, the centre of rotation is known to stand still.
+    /// Whether the log has readings; without, the centre of rotation is taken to stand still. Readings follow a base that vibrates,
+    /// a point taken to be fixed does not.
     pub readings: bool,
     /// Hz.
     pub rate: f64,
@@ -280,9 +283,9 @@ impl Scenario {
     }
 
     /// What is known of an attitude known to `initial`'s sigmas.
-    pub(crate) fn initial_attitude(&self, attitude: UnitQuaternion<f64>, seed: u64) -> InitialAttitude {
+    pub(crate) fn initial_attitude(&self, attitude: UnitQuaternion<f64>, seed: Seed) -> InitialAttitude {
         let InitialPlan { level_sigma, heading_sigma, .. } = self.initial;
-        let error = Stream::new(seed, "initial/attitude").normals().component_mul(&Vector3::new(
+        let error = Stream::in_run(seed, "initial/attitude").normals().component_mul(&Vector3::new(
             level_sigma,
             level_sigma,
             heading_sigma,

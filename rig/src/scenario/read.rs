@@ -17,7 +17,8 @@ const DEGREE: f64 = std::f64::consts::PI / 180.0;
 const DAY: f64 = 86_400.0;
 const TEMPERATURES: Must = Must::LieWithin(-80.0, 150.0);
 
-const SECTIONS: [&str; 10] = [
+const SECTIONS: [&str; 11] = [
+    "run",
     "imu",
     "site",
     "motion",
@@ -85,6 +86,8 @@ fn place(root: &DeTable<'_>, field: &str) -> Option<std::ops::Range<usize>> {
 fn read(r: &mut Reader<'_>) -> Option<Scenario> {
     let known: Vec<&str> = SECTIONS.into_iter().chain(["population"]).collect();
     r.sections(&known);
+    let run = r.section("run", &["number"]);
+    let run = r.whole_number(&run, "number");
     let imu = r.section("imu", &["rate"]);
     let rate = r.quantity(&imu, "rate", units::FREQUENCY, Must::BePositive(1e5));
     let site = read_site(r);
@@ -100,6 +103,7 @@ fn read(r: &mut Reader<'_>) -> Option<Scenario> {
     let dither = read_dither(r);
     let population = read_population(r);
     Some(Scenario {
+        run: run?,
         rate: rate?,
         site: site?,
         motion: motion?,

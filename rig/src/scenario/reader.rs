@@ -247,6 +247,17 @@ impl<'t> Reader<'t> {
         place
     }
 
+    /// A whole number from zero on.
+    pub(super) fn whole_number(&mut self, section: &Section<'t>, key: &str) -> Option<u64> {
+        let entry = self.required(section, key)?;
+        let value = entry.value.get_ref().as_integer();
+        let value = value.and_then(|i| u64::from_str_radix(i.as_str(), i.radix()).ok());
+        if value.is_none() {
+            self.refuse(&entry, "is no whole number", "0, 1, 2, ...");
+        }
+        value
+    }
+
     /// `true` or `false`.
     pub(super) fn switch(&mut self, section: &Section<'t>, key: &str) -> Option<bool> {
         let entry = self.required(section, key)?;

@@ -4,9 +4,6 @@ use nalgebra::{DMatrix, DVector};
 use rig::{Scenario, Simulation};
 use sinscal::{Calibration, Filter, Strapdown};
 
-/// The reference is used at most this often, Hz.
-const UPDATE_RATE: f64 = 10.0;
-
 /// What came of one unit.
 pub(crate) struct Outcome {
     /// Normalised estimation error squared of all parameters together.
@@ -35,7 +32,7 @@ pub(crate) fn modelled_by<F: Filter<Dynamics = Strapdown>>(mut scenario: Scenari
 /// Simulates unit `seed` and calibrates it in two passes.
 pub(crate) fn calibrate<F: Filter<Dynamics = Strapdown>>(scenario: &Scenario, seed: u64) -> Outcome {
     let simulation = Simulation::new(scenario, seed).unwrap();
-    let mut calibration = Calibration::<F>::new(&simulation.description().setup(UPDATE_RATE, &[]));
+    let mut calibration = Calibration::<F>::new(&simulation.description().setup(&[]));
     let log: Vec<_> = simulation.clone().collect();
     for sample in &log {
         calibration.step(sample).unwrap();

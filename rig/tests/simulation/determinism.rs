@@ -88,3 +88,13 @@ fn readings_stand_in_the_first_row_and_at_whole_seconds() {
         assert!((sample.time - (k + 1) as f64 * 0.02).abs() < 1e-12);
     }
 }
+
+#[test]
+fn another_run_is_the_same_unit_with_other_noise() {
+    let first = short();
+    let mut second = first.clone();
+    second.run = 1;
+    assert_eq!(first.unit(4), second.unit(4));
+    let (a, b) = (log(&first, 4), log(&second, 4));
+    assert!(a.iter().zip(&b).filter(|(a, b)| a.dvel == b.dvel).count() < 5);
+}

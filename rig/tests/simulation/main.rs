@@ -3,6 +3,7 @@
 mod common;
 mod determinism;
 mod dither;
+mod increments;
 mod nees;
 mod round_trip;
 mod scenario;
