@@ -31,7 +31,7 @@ pub use filter::{
 };
 pub use form::{Fade, Form, Whitened};
 pub use kalman::{Innovation, Kalman, NotPositiveDefinite, Residuals, measurement_rows};
-pub use observability::{ObservabilityRows, system_rows};
+pub use observability::{Decomposition, ObservabilityRows, Triangle, system_rows};
 pub use real::Real;
 pub use transition::{Transition, restrict};
 pub use ud::Ud;

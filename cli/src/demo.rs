@@ -57,7 +57,10 @@ impl Arguments {
 
 /// Estimates beside the truth, in data-sheet units.
 fn table(parameters: &[Parameter], truth: &Truth) -> String {
-    let mut text = format!("\n{:30} {:>12}   {:9} {:9} {:>10}  error\n", "parameter", "estimate", "+- sigma", "unit", "truth");
+    let mut text = format!(
+        "\n{:30} {:>12}   {:9} {:9} {:>10}  error\n",
+        "parameter", "estimate", "+- sigma", "unit", "truth"
+    );
     for parameter in parameters {
         let info = &parameter.info;
         let sigma = parameter.sigma / info.sheet_scale;

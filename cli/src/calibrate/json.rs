@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use miette::{IntoDiagnostic, Result};
-use serde::Serialize;
 use nalgebra::{UnitQuaternion, Vector3};
+use serde::Serialize;
 use sinscal::{FilterInfo, Smoothed};
 
 use super::run::{Options, Outcome};

@@ -4,8 +4,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Result, miette};
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::{
-    Aligner, Calibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter, Setup, Smoothed, Smoother,
-    Statistics, Strapdown, Ud,
+    Aligner, Calibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter, Setup, Smoothed,
+    Smoother, Statistics, Strapdown, Ud,
 };
 
 use super::Form;
@@ -131,8 +131,7 @@ impl Run<'_> {
                 } else {
                     calibration.step(&sample)
                 };
-                let update = update
-                    .map_err(|error| miette!("{}: {error}", self.log.table().display()))?;
+                let update = update.map_err(|error| miette!("{}: {error}", self.log.table().display()))?;
                 if update.is_some() && history.due() {
                     history.push(sample.time, |put| {
                         calibration.parameters(&mut |parameter| put(parameter.value, parameter.sigma));

@@ -2,4 +2,5 @@
 
 mod broken_inputs;
 mod commands;
+mod outside_logs;
 mod support;

@@ -1,4 +1,8 @@
-//! Rows of the observability matrix of a declared filter.
+//! Rows of the observability matrix of a declared filter, and a place to stack them.
+
+mod triangle;
+
+pub use triangle::{Decomposition, Triangle};
 
 use crate::{CoreRows, Dynamics, Filter, MeasurementRows, Real, Relaxation, Shape, measurement_rows};
 

@@ -1,0 +1,73 @@
+//! Writes the filter that has the missing effects.
+
+/// What must be known of the filter that is extended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BaseFilter {
+    /// Name on the command line, for instance `36d-p`.
+    pub name: String,
+    /// Path of its type, for instance `sinscal::Sins36P`.
+    pub path: String,
+    /// Names of what it measures.
+    pub measures: Vec<String>,
+    /// Whether it has inner lever arms, through which the dither couples without further states.
+    pub has_inner_lever_arm: bool,
+}
+
+/// `accel-delay` as a type: `AccelDelay`.
+fn type_name(effect: &str) -> String {
+    effect
+        .split('-')
+        .map(|word| {
+            let mut letters = word.chars();
+            letters.next().map_or(String::new(), |first| first.to_ascii_uppercase().to_string() + letters.as_str())
+        })
+        .collect()
+}
+
+/// Rust source that declares `base` with `effects` added.
+///
+/// `dither-size-effect` becomes the block `Dither`, which needs no states, where inner lever arms are declared.
+pub fn declaration(base: &BaseFilter, effects: &[&str]) -> String {
+    let own = base.path.rsplit("::").next().unwrap_or(&base.path);
+    let with_inner = base.has_inner_lever_arm || effects.contains(&"inner-lever-arm");
+    let mut fields = String::new();
+    let mut name = base.name.clone();
+    let mut of_type = own.to_string();
+    for effect in effects {
+        let block = if *effect == "dither-size-effect" && with_inner { "dither" } else { effect };
+        fields += &format!("    {}: {},\n", block.replace('-', "_"), type_name(block));
+        name += &format!("+{effect}");
+        of_type += &type_name(effect);
+    }
+    format!(
+        "use sinscal::prelude::*;\n\n/// {} with {}.\n#[derive(Debug, StateBlocks)]\n#[filter(name = \"{name}\", \
+         measures({}))]\npub struct {of_type} {{\n    #[base]\n    base: {},\n{fields}}}\n",
+        base.name,
+        effects.join(", "),
+        base.measures.join(", "),
+        base.path,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dither_couples_through_inner_lever_arms() {
+        let base = BaseFilter {
+            name: "43d-p".into(),
+            path: "sinscal::Sins43P".into(),
+            measures: vec!["velocity".into(), "position".into()],
+            has_inner_lever_arm: true,
+        };
+        let source = declaration(&base, &["dither-size-effect"]);
+        assert_eq!(
+            source,
+            "use sinscal::prelude::*;\n\n/// 43d-p with dither-size-effect.\n#[derive(Debug, StateBlocks)]\n\
+             #[filter(name = \"43d-p+dither-size-effect\", measures(velocity, position))]\n\
+             pub struct Sins43PDitherSizeEffect {\n    #[base]\n    base: sinscal::Sins43P,\n    dither: Dither,\n}\n"
+        );
+        assert_eq!(type_name("gyro-g-sensitivity"), "GyroGSensitivity");
+    }
+}

@@ -1,0 +1,80 @@
+//! What a path can show and what it cannot tell apart.
+
+use nalgebra::DMatrix;
+
+use crate::linear::{Recorded, run};
+use crate::prices::{Prices, groups_of};
+use crate::scene::{EXCITED, Scene};
+
+/// Two effects are the same to a path that leaves less than this part of what one says once the other is free.
+const LEFT: f64 = 0.05;
+
+/// Two effects that a path cannot tell apart.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Pair {
+    pub(crate) effect: String,
+    pub(crate) other: String,
+}
+
+/// Pairs of which the second hides the first: a candidate behind a block of the filter, or behind another candidate.
+///
+/// From one run in which base parameters are priced like candidates: the information of everything about everything.
+pub(crate) fn indistinguishable(scene: &Scene) -> Vec<Pair> {
+    let recording = &scene.ran.recording;
+    let base = recording.base();
+    let mut priced = base.clone();
+    priced.extend(recording.candidates());
+    let Some(found) = run(recording, &[], &Recorded(&priced), &scene.noise, &mut |_| {}) else {
+        return Vec::new();
+    };
+    let sigma: Vec<f64> = priced.iter().map(|c| recording.columns[*c].prior).collect();
+    let groups = groups_of(&recording.columns, &priced);
+    let everything = Prices::new(&found.gram, sigma, groups);
+    let of_base = |g: usize| everything.groups[g].members.iter().all(|m| *m < base.len());
+    let all = everything.all();
+    let (own, candidates): (Vec<usize>, Vec<usize>) = all.into_iter().partition(|g| of_base(*g));
+    let mut pairs = Vec::new();
+    let mut judge = |with: &[usize], other: usize, before: &Prices| {
+        let mut more = with.to_vec();
+        more.push(other);
+        let Some(after) = everything.given(&more) else { return };
+        for g in candidates.iter().copied().filter(|g| *g != other) {
+            if before.excitation(g).0 < EXCITED {
+                continue;
+            }
+            if left(before, &after, g) < LEFT {
+                let name = |g: usize| everything.groups[g].name.clone();
+                pairs.push(Pair { effect: name(g), other: name(other) });
+            }
+        }
+    };
+    for &h in &own {
+        let others: Vec<usize> = own.iter().copied().filter(|o| *o != h).collect();
+        if let Some(before) = everything.given(&others) {
+            judge(&others, h, &before);
+        }
+    }
+    if let Some(before) = everything.given(&own) {
+        for &h in &candidates {
+            judge(&own, h, &before);
+        }
+    }
+    pairs
+}
+
+/// The part of a group's information that is left in its worst direction, of those that show at all.
+fn left(before: &Prices, after: &Prices, g: usize) -> f64 {
+    let members = &before.groups[g].members;
+    let lambda = before.lambda.select_rows(members).select_columns(members);
+    let rest = after.lambda.select_rows(members).select_columns(members);
+    let eigen = lambda.symmetric_eigen();
+    let shown: Vec<usize> =
+        (0..members.len()).filter(|k| eigen.eigenvalues[*k] > EXCITED * EXCITED).collect();
+    if shown.is_empty() {
+        return 1.0;
+    }
+    let root = DMatrix::from_fn(members.len(), shown.len(), |i, k| {
+        eigen.eigenvectors[(i, shown[k])] / eigen.eigenvalues[shown[k]].sqrt()
+    });
+    (root.transpose() * rest * root).symmetric_eigenvalues().min()
+}
