@@ -243,6 +243,18 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         self.statistics = Statistics::default();
     }
 
+    /// Begins another pass over the same log with the parameters taken as known: what remains is navigation with the
+    /// reference's help, as in an alignment.
+    pub fn begin_known(&mut self, parameters: &Vector<F, f64>) {
+        for i in F::Shape::CORE..F::Shape::STATES {
+            self.prior[i] = 0.0;
+        }
+        self.begin_pass_about(parameters);
+        for i in F::Shape::CORE..F::Shape::STATES {
+            self.kalman.x_mut()[i] = 0.0;
+        }
+    }
+
     /// Takes in the next sample. Returns what the update found where there was one.
     ///
     /// # Errors

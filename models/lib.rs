@@ -101,6 +101,7 @@ mod compensation;
 pub mod earth;
 mod effects;
 mod filters;
+pub mod navigation;
 pub mod observability;
 mod observer;
 pub mod path;

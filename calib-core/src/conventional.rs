@@ -1,6 +1,7 @@
 //! The covariance itself, kept symmetric by construction.
 
 use crate::form::{Fade, Form, Whitened, cholesky, is_present};
+use crate::tile::product;
 use crate::{Array, Real, Shape};
 
 /// P as it is: the default form.
@@ -11,36 +12,7 @@ use crate::{Array, Real, Shape};
 #[derive(Clone, Copy, Debug)]
 pub struct Conventional;
 
-/// `out += a[0] p[0] + a[1] p[1] + ...`: a linear combination of rows, four at a time.
-#[inline(always)]
-fn combine<S: Shape, T: Real>(out: &mut S::Vector<T>, a: &S::Vector<T>, p: &S::Matrix<T>) {
-    let n = S::STATES;
-    let quads = n - n % 4;
-    for k in (0..quads).step_by(4) {
-        let (a0, a1, a2, a3) = (a[k], a[k + 1], a[k + 2], a[k + 3]);
-        let (p0, p1, p2, p3) = (&p[k], &p[k + 1], &p[k + 2], &p[k + 3]);
-        for j in 0..n {
-            out[j] += a0 * p0[j] + a1 * p1[j] + a2 * p2[j] + a3 * p3[j];
-        }
-    }
-    for k in quads..n {
-        for j in 0..n {
-            out[j] += a[k] * p[k][j];
-        }
-    }
-}
-
-#[inline(always)]
-fn dot<S: Shape, T: Real>(a: &S::Vector<T>, b: &S::Vector<T>) -> T {
-    let mut sum = T::zero();
-    for k in 0..S::STATES {
-        sum += a[k] * b[k];
-    }
-    sum
-}
-
 /// `H P`, row by row; structural zeros of H are skipped.
-#[inline(always)]
 fn measure<S: Shape, T: Real>(h: &S::MeasurementRows<T>, p: &S::Matrix<T>) -> S::MeasurementRows<T> {
     let mut hp = S::measurement_rows(T::zero());
     for k in 0..S::STATES {
@@ -56,6 +28,30 @@ fn measure<S: Shape, T: Real>(h: &S::MeasurementRows<T>, p: &S::Matrix<T>) -> S:
     hp
 }
 
+/// `H (H P)'`, both triangles of it.
+fn innovation<S: Shape, T: Real>(
+    h: &S::MeasurementRows<T>,
+    hp: &S::MeasurementRows<T>,
+) -> S::MeasurementMatrix<T> {
+    let mut s = S::measurement_matrix(T::zero());
+    for k in 0..S::STATES {
+        for i in 0..S::ROWS {
+            let a = h[i][k];
+            if a != T::zero() {
+                for j in 0..=i {
+                    s[i][j] += a * hp[j][k];
+                }
+            }
+        }
+    }
+    for i in 0..S::ROWS {
+        for j in 0..i {
+            s[j][i] = s[i][j];
+        }
+    }
+    s
+}
+
 impl Form for Conventional {
     fn set_diagonal<S: Shape, T: Real>(cov: &mut S::Matrix<T>, variances: &S::Vector<T>) {
         *cov = S::matrix(T::zero());
@@ -66,16 +62,21 @@ impl Form for Conventional {
 
     fn propagate<S: Shape, T: Real>(cov: &mut S::Matrix<T>, rows: &S::CoreRows<T>, noise: &S::CoreMatrix<T>) {
         let mut moved = S::core_rows(T::zero());
+        product(rows.as_slice(), cov.as_slice(), |i, first, values| {
+            moved[i].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
+        });
+        let mut across = S::core_columns(T::zero());
         for i in 0..S::CORE {
-            combine::<S, T>(&mut moved[i], &rows[i], cov);
-        }
-        for i in 0..S::CORE {
-            for l in 0..=i {
-                let value = noise[i][l] + dot::<S, T>(&moved[i], &rows[l]);
-                cov[i][l] = value;
-                cov[l][i] = value;
+            for j in 0..S::STATES {
+                across[j][i] = rows[i][j];
             }
         }
+        product(moved.as_slice(), across.as_slice(), |i, first, values| {
+            for (l, value) in (first..=i).zip(values) {
+                cov[i][l] = noise[i][l] + *value;
+                cov[l][i] = cov[i][l];
+            }
+        });
         for i in 0..S::CORE {
             for j in S::CORE..S::STATES {
                 cov[i][j] = moved[i][j];
@@ -101,18 +102,18 @@ impl Form for Conventional {
         z: &S::Measurement<T>,
     ) -> Option<Whitened<T>> {
         let mut y = measure::<S, T>(h, cov);
-        let mut s = S::measurement_matrix(T::zero());
+        let mut s = innovation::<S, T>(h, &y);
         for i in 0..S::ROWS {
-            for j in 0..=i {
-                s[i][j] = dot::<S, T>(&h[i], &y[j]);
-            }
             s[i][i] += if is_present::<S, T>(&h[i]) { r[i] } else { T::one() };
         }
         cholesky::<S, T>(&mut s)?;
         let mut whitened = Whitened { nis: T::zero(), log_det: T::zero() };
         let mut e = S::measurement(T::zero());
         for i in 0..S::ROWS {
-            let mut residual = z[i] - dot::<S, T>(&h[i], x);
+            let mut residual = z[i];
+            for j in 0..S::STATES {
+                residual -= h[i][j] * x[j];
+            }
             for k in 0..i {
                 let factor = s[i][k];
                 residual -= factor * e[k];
@@ -136,28 +137,22 @@ impl Form for Conventional {
                 x[j] += y[m][j] * e[m];
             }
         }
-        for i in 0..S::STATES {
-            let row = &mut cov[i];
-            for m in 0..S::ROWS {
-                let a = y[m][i];
-                for j in 0..S::STATES {
-                    row[j] -= a * y[m][j];
-                }
+        let mut across = S::measurement_columns(T::zero());
+        for m in 0..S::ROWS {
+            for j in 0..S::STATES {
+                across[j][m] = y[m][j];
             }
         }
+        product(across.as_slice(), y.as_slice(), |i, first, values| {
+            for (p, value) in cov[i].as_mut_slice()[first..].iter_mut().zip(values) {
+                *p -= *value;
+            }
+        });
         Some(whitened)
     }
 
     fn project<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::MeasurementRows<T>) -> S::MeasurementMatrix<T> {
-        let hp = measure::<S, T>(h, cov);
-        let mut s = S::measurement_matrix(T::zero());
-        for i in 0..S::ROWS {
-            for j in 0..=i {
-                s[i][j] = dot::<S, T>(&h[i], &hp[j]);
-                s[j][i] = s[i][j];
-            }
-        }
-        s
+        innovation::<S, T>(h, &measure::<S, T>(h, cov))
     }
 
     fn variance<S: Shape, T: Real>(cov: &S::Matrix<T>, i: usize) -> T {

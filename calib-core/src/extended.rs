@@ -24,14 +24,16 @@ impl<N: ArraySize, C: ArraySize, M: ArraySize> Shape for Grown<N, C, M> {
     type Vector<T: Real> = hybrid_array::Array<T, N>;
     type Matrix<T: Real> = hybrid_array::Array<Self::Vector<T>, N>;
     type CoreRows<T: Real> = hybrid_array::Array<Self::Vector<T>, C>;
+    type CoreColumns<T: Real> = hybrid_array::Array<Self::CoreVector<T>, N>;
     type CoreMatrix<T: Real> = hybrid_array::Array<Self::CoreVector<T>, C>;
     type CoreVector<T: Real> = hybrid_array::Array<T, C>;
     type MeasurementRows<T: Real> = hybrid_array::Array<Self::Vector<T>, M>;
+    type MeasurementColumns<T: Real> = hybrid_array::Array<Self::Measurement<T>, N>;
     type MeasurementMatrix<T: Real> = hybrid_array::Array<Self::Measurement<T>, M>;
     type Measurement<T: Real> = hybrid_array::Array<T, M>;
 }
 
-impl<E: Clone + core::fmt::Debug, N: ArraySize> Array<E> for hybrid_array::Array<E, N> {
+impl<E: Clone + core::fmt::Debug + Send + Sync, N: ArraySize> Array<E> for hybrid_array::Array<E, N> {
     #[inline(always)]
     fn fill(element: E) -> Self {
         Self::from_fn(|_| element.clone())

@@ -23,12 +23,16 @@ pub trait Shape: Sized + 'static {
     type Matrix<T: Real>: Array<Self::Vector<T>> + Entries<T>;
     /// C x N numbers: the non-trivial rows of the transition matrix.
     type CoreRows<T: Real>: Array<Self::Vector<T>>;
+    /// N x C numbers: such rows, transposed.
+    type CoreColumns<T: Real>: Array<Self::CoreVector<T>>;
     /// C x C numbers.
     type CoreMatrix<T: Real>: Array<Self::CoreVector<T>>;
     /// C numbers.
     type CoreVector<T: Real>: Array<T>;
     /// M x N numbers: the measurement matrix.
     type MeasurementRows<T: Real>: Array<Self::Vector<T>>;
+    /// N x M numbers: such rows, transposed.
+    type MeasurementColumns<T: Real>: Array<Self::Measurement<T>>;
     /// M x M numbers.
     type MeasurementMatrix<T: Real>: Array<Self::Measurement<T>>;
     /// M numbers.
@@ -46,6 +50,10 @@ pub trait Shape: Sized + 'static {
     fn core_rows<T: Real>(value: T) -> Self::CoreRows<T> {
         Array::fill(Self::vector(value))
     }
+    /// N x C equal numbers.
+    fn core_columns<T: Real>(value: T) -> Self::CoreColumns<T> {
+        Array::fill(Self::core_vector(value))
+    }
     /// C x C equal numbers.
     fn core_matrix<T: Real>(value: T) -> Self::CoreMatrix<T> {
         Array::fill(Self::core_vector(value))
@@ -58,6 +66,10 @@ pub trait Shape: Sized + 'static {
     fn measurement_rows<T: Real>(value: T) -> Self::MeasurementRows<T> {
         Array::fill(Self::vector(value))
     }
+    /// N x M equal numbers.
+    fn measurement_columns<T: Real>(value: T) -> Self::MeasurementColumns<T> {
+        Array::fill(Self::measurement(value))
+    }
     /// M x M equal numbers.
     fn measurement_matrix<T: Real>(value: T) -> Self::MeasurementMatrix<T> {
         Array::fill(Self::measurement(value))
@@ -69,7 +81,7 @@ pub trait Shape: Sized + 'static {
 }
 
 /// An array whose length is part of its type.
-pub trait Array<E: Clone>: Clone + Debug + IndexMut<usize, Output = E> {
+pub trait Array<E: Clone>: Clone + Debug + Send + Sync + IndexMut<usize, Output = E> {
     /// An array of equal elements.
     fn fill(element: E) -> Self;
     /// The elements as a slice.
@@ -78,7 +90,7 @@ pub trait Array<E: Clone>: Clone + Debug + IndexMut<usize, Output = E> {
     fn as_mut_slice(&mut self) -> &mut [E];
 }
 
-impl<E: Clone + Debug, const N: usize> Array<E> for [E; N] {
+impl<E: Clone + Debug + Send + Sync, const N: usize> Array<E> for [E; N] {
     #[inline(always)]
     fn fill(element: E) -> Self {
         core::array::from_fn(|_| element.clone())
@@ -104,9 +116,11 @@ impl<const N: usize, const C: usize, const M: usize> Shape for Dim<N, C, M> {
     type Vector<T: Real> = [T; N];
     type Matrix<T: Real> = [[T; N]; N];
     type CoreRows<T: Real> = [[T; N]; C];
+    type CoreColumns<T: Real> = [[T; C]; N];
     type CoreMatrix<T: Real> = [[T; C]; C];
     type CoreVector<T: Real> = [T; C];
     type MeasurementRows<T: Real> = [[T; N]; M];
+    type MeasurementColumns<T: Real> = [[T; M]; N];
     type MeasurementMatrix<T: Real> = [[T; M]; M];
     type Measurement<T: Real> = [T; M];
 }

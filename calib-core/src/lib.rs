@@ -17,6 +17,7 @@ mod form;
 mod kalman;
 mod observability;
 mod real;
+mod tile;
 mod transition;
 mod ud;
 mod view;

@@ -116,7 +116,7 @@ fn follows_the_oracle<S: Shape, C: Form>(seed: u64) {
         let hph = &h * &p * h.transpose();
         assert_close("project", &DMatrix::from_fn(S::ROWS, S::ROWS, |i, j| projected[i][j]), &hph);
 
-        let mut x = case.x;
+        let mut x = case.x.clone();
         let whitened = C::update::<S, f64>(&mut cov, &mut x, &case.h, &case.r, &case.z).unwrap();
         let r = DMatrix::from_fn(S::ROWS, S::ROWS, |i, j| if i == j { case.r[i] } else { 0.0 });
         let s = hph + &r;
@@ -165,7 +165,7 @@ fn conventional_is_symmetric_to_the_bit() {
     Conventional::set_diagonal::<S, f64>(&mut cov, &case.start);
     for _ in 0..10 {
         let case = Case::<S>::new(&mut numbers);
-        let mut x = case.x;
+        let mut x = case.x.clone();
         Conventional::propagate::<S, f64>(&mut cov, &case.rows, &case.noise);
         Conventional::update::<S, f64>(&mut cov, &mut x, &case.h, &case.r, &case.z).unwrap();
         for i in 0..43 {

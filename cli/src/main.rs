@@ -3,6 +3,8 @@
 //! It reads logs, calls the library `sinscal` and writes reports; it holds no mathematics of its own.
 //! Exit codes: 0 when the work was done, 1 for bad input or a failed run, 2 for bad usage.
 
+mod ablate;
+mod broadcast;
 mod calibrate;
 mod demo;
 mod effects;
@@ -10,7 +12,10 @@ mod figures;
 mod filters;
 mod history;
 mod log;
+mod navigate;
+mod observe;
 mod output;
+mod setup;
 mod suggest;
 
 use std::io::IsTerminal;
@@ -31,6 +36,9 @@ struct Cli {
 enum Command {
     Demo(demo::Arguments),
     Calibrate(calibrate::Arguments),
+    Ablate(ablate::Arguments),
+    Observe(observe::Arguments),
+    Navigate(navigate::Arguments),
     Filters(filters::Arguments),
     Effects(effects::Arguments),
 }
@@ -49,6 +57,9 @@ fn main() -> ExitCode {
     let result = match cli.command {
         Command::Demo(arguments) => arguments.run(),
         Command::Calibrate(arguments) => arguments.run(),
+        Command::Ablate(arguments) => arguments.run(),
+        Command::Observe(arguments) => arguments.run(),
+        Command::Navigate(arguments) => arguments.run(),
         Command::Filters(arguments) => arguments.run(),
         Command::Effects(arguments) => arguments.run(),
     };

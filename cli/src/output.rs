@@ -119,6 +119,58 @@ impl Drop for Files {
     }
 }
 
+/// Where the results of a subcommand go.
+pub(crate) struct Target<'a> {
+    /// A file for the JSON.
+    json: Option<&'a Path>,
+    /// JSON to standard output.
+    to_stdout: bool,
+    out: Option<&'a Path>,
+}
+
+impl<'a> Target<'a> {
+    /// Refuses places that could not be written at the end of a long run.
+    pub(crate) fn new(json: Option<&'a Path>, out: Option<&'a Path>) -> Result<Self> {
+        let to_stdout = json.is_some_and(|path| path.as_os_str() == "-");
+        let json = json.filter(|_| !to_stdout);
+        if let Some(path) = json {
+            check_file(path)?;
+        }
+        if let Some(path) = out {
+            check_folder(path)?;
+        }
+        Ok(Self { json, to_stdout, out })
+    }
+
+    /// Writes `NAME.json` and `NAME.txt` where asked, with `more` files in the folder, and prints what was asked for.
+    pub(crate) fn write(
+        &self,
+        name: &str,
+        json: &str,
+        text: &str,
+        verdict: &str,
+        more: impl FnOnce(&mut Files, &Path) -> Result<()>,
+    ) -> Result<()> {
+        let mut files = Files::default();
+        if let Some(path) = self.json {
+            files.write(path, |file| file.write_all(json.as_bytes()))?;
+        }
+        if let Some(folder) = self.out {
+            files.folder(folder)?;
+            files.write(&folder.join(format!("{name}.json")), |file| file.write_all(json.as_bytes()))?;
+            files.write(&folder.join(format!("{name}.txt")), |file| file.write_all(text.as_bytes()))?;
+            more(&mut files, folder)?;
+        }
+        files.commit()?;
+        if self.to_stdout {
+            remark(verdict);
+            print(json)
+        } else {
+            print(text)
+        }
+    }
+}
+
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

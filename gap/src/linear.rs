@@ -68,6 +68,58 @@ pub(crate) struct Whitened<'a> {
     pub(crate) rows: &'a [f64],
 }
 
+/// Predictions without updates, over a horizon, from the second half of a log.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FreeRun {
+    pub(crate) horizon: f64,
+    /// Predictions begin after this time, s.
+    pub(crate) from: f64,
+    state: Vec<f64>,
+    since: Option<f64>,
+    /// Sums of squares and counts of velocity and position.
+    sums: [(f64, usize); 2],
+}
+
+impl FreeRun {
+    pub(crate) fn new(horizon: f64, from: f64) -> Self {
+        Self { horizon, from, ..Self::default() }
+    }
+
+    /// Root mean square of the error at the end of the horizon, of velocity where it is measured, else of position.
+    pub(crate) fn rms(&self) -> (f64, &'static str) {
+        let (which, of) = if self.sums[0].1 > 0 { (0, "velocity") } else { (1, "position") };
+        let (sum, count) = self.sums[which];
+        if count == 0 { (f64::NAN, of) } else { ((sum / count as f64).sqrt(), of) }
+    }
+
+    fn advance(&mut self, a: &[f64], input: impl Fn(usize) -> f64, n: usize, elapsed: f64) {
+        let Some(since) = &mut self.since else { return };
+        *since += elapsed;
+        let moved: [f64; CORE] =
+            core::array::from_fn(|i| input(i) + dot(&a[i * n..(i + 1) * n], &self.state));
+        self.state[..CORE].copy_from_slice(&moved);
+    }
+
+    fn measure(&mut self, step: &Step, h: &[f64], z: impl Fn(usize) -> f64, n: usize) {
+        if self.since.is_none_or(|since| since < self.horizon) {
+            return;
+        }
+        self.since = None;
+        for (m, channel) in step.channel.iter().enumerate().filter(|(_, c)| **c < 6) {
+            let error = z(m) + dot(&h[m * n..(m + 1) * n], &self.state);
+            let sum = &mut self.sums[channel / 3];
+            *sum = (sum.0 + error * error, sum.1 + 1);
+        }
+    }
+
+    fn restart(&mut self, time: f64, w: &[f64], n: usize, nc: usize) {
+        if self.since.is_none() && time >= self.from {
+            self.since = Some(0.0);
+            self.state = (0..n).map(|i| w[i * nc]).collect();
+        }
+    }
+}
+
 /// Runs the filter with the columns `estimated` about the trajectory of `recording`, under `noise`, and prices `priced`
 /// beside it. Columns in neither are zero in truth.
 ///
@@ -79,6 +131,18 @@ pub(crate) fn run(
     priced: &dyn Priced,
     noise: &Noise,
     watch: &mut dyn FnMut(&Whitened),
+) -> Option<Found> {
+    run_free(recording, estimated, priced, noise, watch, &mut FreeRun::new(0.0, f64::INFINITY))
+}
+
+/// [`run`], with predictions on the way.
+pub(crate) fn run_free(
+    recording: &Recording,
+    estimated: &[usize],
+    priced: &dyn Priced,
+    noise: &Noise,
+    watch: &mut dyn FnMut(&Whitened),
+    free: &mut FreeRun,
 ) -> Option<Found> {
     let columns = &recording.columns;
     let np = columns.len();
@@ -139,6 +203,7 @@ pub(crate) fn run(
             }
             gamma[i * nc] = -input;
         }
+        free.advance(&a, |i| gamma[i * nc], n, step.elapsed);
         multiply(&a, &w, CORE, n, nc, &mut gamma);
         w[..CORE * nc].copy_from_slice(&gamma);
         moved.fill(0.0);
@@ -173,6 +238,7 @@ pub(crate) fn run(
             }
             direct[m * nc] = z;
         }
+        free.measure(step, &h, |m| direct[m * nc], n);
         y.clear();
         y.extend_from_slice(&direct);
         multiply(&h, &w, ms, n, nc, &mut y);
@@ -205,6 +271,7 @@ pub(crate) fn run(
                 }
             }
         }
+        free.restart(step.time, &w, n, nc);
         watch(&Whitened { step, rows: &y });
     }
     for i in 0..nc {

@@ -38,21 +38,20 @@ impl Tried {
 /// The sets worth considering, best evidence first.
 #[derive(Clone, Debug)]
 pub(crate) struct Search {
-    /// Adequate sets of the smallest size there are, or the one that growing ended with.
+    /// Adequate sets, larger ones only where they gain clearly more; or the one set that growing ended with.
     pub(crate) sets: Vec<Tried>,
     /// Whether the first set leaves nothing significant.
     pub(crate) adequate: bool,
-    /// Whether all sets of its size were tried.
-    pub(crate) exhaustive: bool,
 }
 
 /// Looks for the smallest adequate set among groups.
 pub(crate) fn search(prices: &Prices, among: &[usize], threshold: f64) -> Search {
     let none = Tried::new(prices, Vec::new(), among);
     if none.is_adequate(threshold) {
-        return Search { sets: vec![none], adequate: true, exhaustive: true };
+        return Search { sets: vec![none], adequate: true };
     }
     let mut best: Option<Tried> = None;
+    let mut adequate: Vec<Tried> = Vec::new();
     for size in 1..=EXHAUSTIVE.min(among.len()) {
         let mut sets = Vec::new();
         combinations(among, size, &mut Vec::new(), 0, &mut |set| {
@@ -66,9 +65,13 @@ pub(crate) fn search(prices: &Prices, among: &[usize], threshold: f64) -> Search
             best = Some(first.clone());
         }
         sets.retain(|s| s.is_adequate(threshold));
-        if !sets.is_empty() {
-            return Search { sets, adequate: true, exhaustive: true };
-        }
+        // a larger set must earn its place
+        let least = adequate.first().map_or(f64::NEG_INFINITY, |s| s.gain + MARGIN);
+        adequate.extend(sets.into_iter().filter(|s| s.gain > least));
+    }
+    if !adequate.is_empty() {
+        adequate.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        return Search { sets: adequate, adequate: true };
     }
     let mut grown = best.unwrap_or(none);
     while grown.groups.len() < MOST && !grown.is_adequate(threshold) {
@@ -87,7 +90,7 @@ pub(crate) fn search(prices: &Prices, among: &[usize], threshold: f64) -> Search
         }
     }
     let adequate = grown.is_adequate(threshold);
-    Search { sets: vec![grown], adequate, exhaustive: false }
+    Search { sets: vec![grown], adequate }
 }
 
 fn combinations(

@@ -66,6 +66,20 @@ impl Open {
         self.prices.gain(&with) - self.prices.gain(&mapped)
     }
 
+    /// The part of each member's gain that it keeps when family `g` joins the set.
+    pub(crate) fn kept(&self, g: usize, named: &[usize]) -> f64 {
+        let mapped = self.mapped(named);
+        let gain_of = |without: usize, with_family: bool| {
+            let mut all = mapped.clone();
+            if with_family {
+                all.push(g);
+            }
+            let others: Vec<usize> = all.iter().copied().filter(|o| *o != without).collect();
+            self.prices.gain(&all) - self.prices.gain(&others)
+        };
+        mapped.iter().map(|m| gain_of(*m, true) / gain_of(*m, false).max(1e-9)).fold(f64::INFINITY, f64::min)
+    }
+
     /// Families that explain what `named` explains: within 10 of its BIC, and leaving nothing for it to add.
     pub(crate) fn rivals(&self, named: &[usize]) -> Vec<usize> {
         let mapped = self.mapped(named);
@@ -73,6 +87,9 @@ impl Open {
             let parameters = self.prices.members(groups).len() as f64;
             self.fit(groups) - parameters * (self.updates as f64).ln()
         };
+        if named.is_empty() {
+            return Vec::new();
+        }
         let theirs = bic(&mapped);
         (0..self.families)
             .filter(|&g| {
@@ -90,8 +107,11 @@ impl Open {
         let members = self.prices.members(groups);
         let lambda = self.prices.lambda.select_rows(&members).select_columns(&members);
         let b = self.prices.b.select_rows(&members);
-        let eigen = lambda.symmetric_eigen();
         let mut t = 0.0;
+        if members.is_empty() {
+            return t;
+        }
+        let eigen = lambda.symmetric_eigen();
         for (k, value) in eigen.eigenvalues.iter().enumerate() {
             if *value > 1.0 {
                 t += eigen.eigenvectors.column(k).dot(&b).powi(2) / value;

@@ -1,9 +1,10 @@
 //! The nonlinear runs: the declared filter with chosen candidates, closed loop, relinearised, recorded.
 
-use calib_core::{Array, Block, Extended, Filter, Shape};
+use calib_core::{Array, Block, Dynamics, Extended, Filter, Shape};
 use sinscal::{Calibration, Diverged, Sample, Setup, StateInfo, Statistics, Strapdown};
 
 use crate::candidates::prior_factor;
+use crate::declaration::BaseFilter;
 use crate::recording::{CORE, Column, Recorder, Recording};
 
 /// Estimates that still move by more than this many standard deviations call for another pass.
@@ -33,8 +34,8 @@ pub(crate) struct Ran {
 
 /// What a diagnosis must be able to do with a declared filter, whatever its sizes.
 pub(crate) trait Machine: Sync {
-    /// Name of the declared filter.
-    fn name(&self) -> &'static str;
+    /// What its declaration says.
+    fn base(&self) -> BaseFilter;
     /// Whether the declared filter has a block.
     fn has(&self, block: &str) -> bool;
     /// Runs the filter with those candidates that `takes` names, until it has settled.
@@ -67,8 +68,18 @@ where
     K: 'static,
     Extended<F, B, K>: Filter<Dynamics = Strapdown>,
 {
-    fn name(&self) -> &'static str {
-        F::NAME
+    fn base(&self) -> BaseFilter {
+        let path = core::any::type_name::<F>();
+        // the types of the library are re-exported at its root
+        let own = path.rsplit("::").next().unwrap_or(path);
+        let path = if path.starts_with("sinscal::") { format!("sinscal::{own}") } else { path.into() };
+        let channels = <Strapdown as Dynamics>::CHANNELS;
+        BaseFilter {
+            name: F::NAME.into(),
+            path,
+            measures: F::MEASURES.iter().map(|g| channels[*g].name.into()).collect(),
+            has_inner_lever_arm: F::SET.contains(sinscal::blocks::set::INNER_LEVER_ARM),
+        }
     }
 
     fn has(&self, block: &str) -> bool {

@@ -13,7 +13,6 @@ use crate::{Calibration, Form, Observer, Point, Signals, Strapdown};
 ///
 /// Residuals play no part: the numbers are there before any unit has been calibrated, from the motion alone. States
 /// are counted in their prior standard deviations. Parameters that relax count as constant.
-#[derive(Clone, Debug)]
 pub struct Information<F: Filter<Dynamics = Strapdown>> {
     prior: Vector<F, f64>,
     /// Leading states now by all states at the beginning.

@@ -40,7 +40,6 @@ pub const TOLERANCE: f64 = 1.0;
 pub const EXCITED: f64 = 10.0;
 
 /// Stacks the observability rows of segments.
-#[derive(Clone, Debug)]
 pub struct Observability<F: Filter<Dynamics = Strapdown>> {
     prior: Vector<F, f64>,
     noise: Measurement<F, f64>,

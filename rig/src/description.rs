@@ -69,7 +69,9 @@ impl Description {
 
     /// The content of `NAME.toml`.
     pub fn to_toml(&self) -> String {
-        let degrees = f64::to_degrees;
+        // what was written as 118.8 deg is to read so again
+        let tidy = |x: f64| format!("{x:.11e}").parse().unwrap_or(x);
+        let degrees = |x: f64| tidy(x.to_degrees());
         let q = self.initial.attitude.quaternion();
         let micro_g = 9.80665e-6;
         let mut text = String::new();
@@ -95,8 +97,8 @@ impl Description {
             line(format!("attitude_sigma_deg = {:?}", degrees(self.reference.attitude)));
         }
         line("[noise]".into());
-        line(format!("gyro_arw_deg_sqrt_h = {:?}", degrees(self.noise.angle_random_walk) * 60.0));
-        line(format!("accel_vrw_ug_sqrt_hz = {:?}", self.noise.velocity_random_walk / micro_g));
+        line(format!("gyro_arw_deg_sqrt_h = {:?}", tidy(self.noise.angle_random_walk.to_degrees() * 60.0)));
+        line(format!("accel_vrw_ug_sqrt_hz = {:?}", tidy(self.noise.velocity_random_walk / micro_g)));
         line("[temperature]".into());
         line(format!("reference_c = {:?}", self.reference_temperature));
         line("[outer_lever]".into());
@@ -124,13 +126,14 @@ mod tests {
             let value = table.and_then(|table| table.get(key)).map(|value| value.get_ref().clone());
             value.and_then(|value| value.as_float()?.as_str().parse::<f64>().ok()).unwrap_or(f64::NAN)
         };
-        let close = |a: f64, b: f64| (a - b).abs() < 1e-12 * b.abs();
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-11 * b.abs();
         assert!(close(number("imu", "rate_hz"), 50.0), "{text}");
         assert!(close(number("site", "latitude_deg"), 32.06));
         assert!(close(number("initial", "level_sigma_deg"), 0.03));
         assert!(close(number("reference", "velocity_sigma_m_s"), 1e-3));
         assert!(close(number("reference", "attitude_sigma_deg"), 0.01));
         assert!(close(number("noise", "accel_vrw_ug_sqrt_hz"), 5.0));
+        assert!(text.contains("latitude_deg = 32.06\nlongitude_deg = 118.8\n"), "{text}");
         // no noise is described by very little
         let walk = number("noise", "gyro_arw_deg_sqrt_h");
         assert!(walk > 0.0 && walk < 1e-6);

@@ -14,6 +14,12 @@
 //! # Ok::<(), rig::ScenarioError>(())
 //! ```
 //!
+//! What a program does with it: print [`DEFAULT_SCENARIO`], or [`Scenario::parse`] a file (a [`ScenarioError`] lists every [`Fault`] with
+//! its field, line, bytes and what is accepted), [`Scenario::with_rate`] where a rate is asked for, [`Simulation::new`] with the
+//! seed; then write `to_toml`, `to_json` and the samples, row by row. The columns of the reference belong in the table
+//! when [`Description::readings`] says so, its attitude when [`Description::attitude`] does, the dither's when [`Description::dither`]
+//! does; absent readings are NaN.
+//!
 //! This crate does no input or output, and shares with the filters only the Earth, the catalogue of names and the types of a
 //! sample: the errors of the sensors are written out anew.
 

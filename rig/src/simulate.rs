@@ -35,6 +35,7 @@ pub struct Simulation {
     motion: Motion,
     table: crate::motion::Imperfections,
     rigid: bool,
+    panels: u32,
     place: Place,
     errors: Errors,
     /// Delay of the accelerometers, s.
@@ -124,6 +125,7 @@ impl Simulation {
             samples: scenario.samples(),
             next: 0,
             rigid: table.is_rigid(),
+            panels: scenario.panels(),
             dither: Dither::new(scenario, &errors, seed),
             temperatures: Temperatures::new(&scenario.temperature, seed, dt),
             temperature_every: every(scenario.temperature.rate),
@@ -194,19 +196,22 @@ impl Simulation {
                 time: t - self.dt,
             }
         };
-        for (node, weight) in NODES {
-            let t = start + node * self.dt;
-            let now = conditions(self.felt(t), t);
-            dtheta += self.errors.gyros(&now) * weight;
-            let felt = if self.delay == 0.0 {
-                now
-            } else {
-                let earlier = t - self.delay;
-                conditions(self.felt(earlier), earlier)
-            };
-            dvel += self.errors.accelerometers(&felt) * weight;
+        let part = self.dt / f64::from(self.panels);
+        for panel in 0..self.panels {
+            for (node, weight) in NODES {
+                let t = start + (f64::from(panel) + node) * part;
+                let now = conditions(self.felt(t), t);
+                dtheta += self.errors.gyros(&now) * weight;
+                let felt = if self.delay == 0.0 {
+                    now
+                } else {
+                    let earlier = t - self.delay;
+                    conditions(self.felt(earlier), earlier)
+                };
+                dvel += self.errors.accelerometers(&felt) * weight;
+            }
         }
-        (dtheta * self.dt, dvel * self.dt)
+        (dtheta * part, dvel * part)
     }
 
     fn reference(&mut self, time: f64) -> Reference {

@@ -11,9 +11,15 @@ const SWEEPS: usize = 60;
 ///
 /// Each row is rotated into the triangle (Givens), so that memory does not grow and nothing is squared: the singular
 /// values of R are those of the stacked rows to the accuracy of the arithmetic.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Triangle<S: Shape, T: Real> {
     r: S::Matrix<T>,
+}
+
+impl<S: Shape, T: Real> Clone for Triangle<S, T> {
+    fn clone(&self) -> Self {
+        Self { r: self.r.clone() }
+    }
 }
 
 impl<S: Shape, T: Real> Default for Triangle<S, T> {
@@ -162,7 +168,7 @@ fn dot<T: Real>(a: &[T], b: &[T]) -> T {
 }
 
 /// Singular values of stacked rows, with their directions among the states.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Decomposition<S: Shape, T: Real> {
     values: S::Vector<T>,
     vectors: S::Matrix<T>,

@@ -6,6 +6,10 @@ use super::{DitherMode, Fault, Path, Scenario};
 
 /// Slower sampling than this shows nothing of a turn, Hz.
 const SLOWEST: f64 = 1.0;
+/// Longest motion, s.
+const LONGEST: f64 = 100.0 * 86_400.0;
+/// The rounding of turns lasts at least this many samples.
+const ROUNDING: f64 = 0.1;
 /// Simulation of dither at its own rate is at least this fast, Hz.
 const DITHER_RATE: f64 = 8e3;
 
@@ -14,8 +18,15 @@ pub(super) fn check(scenario: &Scenario) -> Vec<Fault> {
     check_rates(scenario, &mut faults);
     check_motion(scenario, &mut faults);
     check_populations(scenario, &mut faults);
-    if faults.is_empty() && scenario.samples() < 2 {
-        faults.push(Fault::new("motion.duration", "is shorter than two samples", "more"));
+    if faults.is_empty() {
+        let duration = scenario.duration();
+        if scenario.samples() < 2 {
+            faults.push(Fault::new("motion.duration", "is shorter than two samples", "more"));
+        }
+        if duration > LONGEST || duration.is_nan() {
+            let problem = format!("takes {:.3e} days", duration / 86_400.0);
+            faults.push(Fault::new("motion", problem, "up to 100 days"));
+        }
     }
     faults
 }
@@ -82,6 +93,11 @@ fn check_motion(scenario: &Scenario, faults: &mut Vec<Fault>) {
             let problem = format!("is {} deg/s^2", degrees(motion.acceleration));
             let accepted = format!("up to motion.max_acceleration, {} deg/s^2", degrees(hardest));
             faults.push(Fault::new("motion.acceleration", problem, accepted));
+        }
+        if motion.rounding * scenario.rate < ROUNDING {
+            let accepted =
+                format!("at least a tenth of the sampling interval, {} s", ROUNDING / scenario.rate);
+            faults.push(Fault::new("motion.rounding", format!("is {} s", motion.rounding), accepted));
         }
         if motion.still < 0.5 * motion.rounding {
             let accepted = format!("at least half of motion.rounding, {} s", 0.5 * motion.rounding);

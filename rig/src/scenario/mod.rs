@@ -7,7 +7,8 @@ mod reader;
 pub(crate) mod units;
 
 use nalgebra::{UnitQuaternion, Vector3};
-use sinscal::{EffectInfo, InitialAttitude, Site};
+use sinscal::blocks::set::DITHER;
+use sinscal::{EffectInfo, Filter, InitialAttitude, Site};
 
 use crate::environment::TemperaturePlan;
 use crate::motion::{
@@ -256,12 +257,40 @@ impl Scenario {
         (self.duration() * self.rate + 5e-3).floor().max(0.0) as u64
     }
 
+    /// Into how many parts a sampling interval is divided for quadrature, so that none is long beside the rounding of a turn, the
+    /// period of a swing or that of a vibration.
+    pub(crate) fn panels(&self) -> u32 {
+        let dt = 1.0 / self.rate;
+        let mut panels: f64 = match &self.motion.path {
+            Path::Swing { frequency, .. } => 20.0 * frequency.max() * dt,
+            Path::Still => 1.0,
+            _ => 5.0 * dt / self.motion.rounding,
+        };
+        let vibration = &self.table.vibration;
+        if (vibration.acceleration + vibration.tilt).max() > 0.0 {
+            panels = panels.max(20.0 * vibration.frequency.max() * dt);
+        }
+        // less than a hundredth too many is not worth another panel
+        (panels - 1e-2).ceil().clamp(1.0, 64.0) as u32
+    }
+
     /// Keeps the effects that `wanted` says, by name; `dither-size-effect` stands for the dither.
     pub fn keep_effects(&mut self, wanted: impl Fn(&str) -> bool) {
         self.population.retain(|population| wanted(population.effect.name()));
         if !wanted("dither-size-effect") {
             self.dither.mode = DitherMode::Off;
         }
+    }
+
+    /// The same with the effects that filter `F` models and no others: its units are those the filter is right about.
+    pub fn modelled_by<F: Filter>(mut self) -> Self {
+        let mut names = Vec::new();
+        F::states(&mut |info| names.push(info.block));
+        if F::SET.intersects(DITHER) {
+            names.push("dither-size-effect");
+        }
+        self.keep_effects(|effect| names.contains(&effect));
+        self
     }
 
     /// The true parameters of unit `seed`.

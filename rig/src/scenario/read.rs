@@ -17,6 +17,9 @@ const DEGREE: f64 = std::f64::consts::PI / 180.0;
 const DAY: f64 = 86_400.0;
 const TEMPERATURES: Must = Must::LieWithin(-80.0, 150.0);
 
+/// Parameters may be this many times their default prior.
+const ABSURD: f64 = 1e6;
+
 const SECTIONS: [&str; 11] = [
     "run",
     "imu",
@@ -70,17 +73,19 @@ pub(super) fn default_scenario() -> Scenario {
 
 /// Where a field stands in the text, or what it is nearest to.
 fn place(root: &DeTable<'_>, field: &str) -> Option<std::ops::Range<usize>> {
-    let mut table = root;
-    let mut found = None;
-    for name in field.split(['.', '[']) {
-        let Some(value) = table.get(name) else { break };
-        found = Some(value.span());
-        match as_table(value) {
-            Some(inner) => table = inner,
+    let mut names = field.split(['.', '[']);
+    let mut value = root.get(names.next()?)?;
+    for name in names {
+        let inner = match name.strip_suffix(']') {
+            Some(index) => value.get_ref().as_array().and_then(|list| list.get(index.parse::<usize>().ok()?)),
+            None => as_table(value).and_then(|table| table.get(name)),
+        };
+        match inner {
+            Some(inner) => value = inner,
             None => break,
         }
     }
-    found
+    Some(value.span())
 }
 
 fn read(r: &mut Reader<'_>) -> Option<Scenario> {
@@ -463,17 +468,20 @@ fn read_population(r: &mut Reader<'_>) -> Vec<Population> {
         }
         let units = units::of_parameters(effect.unit());
         let n = effect.components().len();
+        // beyond this nothing of the signal is left
+        let most = ABSURD * effect.prior_sigma;
         let (mean, sigma) = match as_table(entry.value) {
-            None => (Some(vec![0.0; n]), r.list(&entry, n, units, Must::NotBeNegative(f64::MAX))),
+            None => (Some(vec![0.0; n]), r.list(&entry, n, units, Must::NotBeNegative(most))),
             Some(table) => {
                 r.only(table, &entry.field, &["mean", "sigma"]);
                 let part = |key: &str| {
                     table.get(key).map(|value| Entry { field: format!("{}.{key}", entry.field), value })
                 };
                 let zero = || Some(vec![0.0; n]);
-                let mean = part("mean").map_or_else(zero, |part| r.list(&part, n, units, Must::BeFinite));
+                let mean = part("mean")
+                    .map_or_else(zero, |part| r.list(&part, n, units, Must::LieWithin(-most, most)));
                 let sigma = part("sigma")
-                    .map_or_else(zero, |part| r.list(&part, n, units, Must::NotBeNegative(f64::MAX)));
+                    .map_or_else(zero, |part| r.list(&part, n, units, Must::NotBeNegative(most)));
                 (mean, sigma)
             }
         };

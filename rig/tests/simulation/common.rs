@@ -18,17 +18,6 @@ pub(crate) struct Outcome {
     pub(crate) worst: (f64, String),
 }
 
-/// A scenario with the effects that filter `F` models and no others.
-pub(crate) fn modelled_by<F: Filter<Dynamics = Strapdown>>(mut scenario: Scenario) -> Scenario {
-    let mut names = Vec::new();
-    F::states(&mut |info| names.push(info.block));
-    if F::SET.intersects(sinscal::blocks::set::DITHER) {
-        names.push("dither-size-effect");
-    }
-    scenario.keep_effects(|effect| names.contains(&effect));
-    scenario
-}
-
 /// Simulates unit `seed` and calibrates it in two passes.
 pub(crate) fn calibrate<F: Filter<Dynamics = Strapdown>>(scenario: &Scenario, seed: u64) -> Outcome {
     let simulation = Simulation::new(scenario, seed).unwrap();

@@ -1,6 +1,6 @@
 //! Whether filters know how wrong they are: normalised estimation errors over a hundred units.
 
-use crate::common::{Outcome, calibrate, modelled_by};
+use crate::common::{Outcome, calibrate};
 use rig::Scenario;
 use sinscal::{Filter, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Strapdown};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -13,7 +13,7 @@ fn band(units: usize, parameters: usize) -> (f64, f64) {
 }
 
 fn consistent<F: Filter<Dynamics = Strapdown>>(units: u64) {
-    let scenario = modelled_by::<F>(Scenario::default());
+    let scenario = Scenario::default().modelled_by::<F>();
     let outcomes: Vec<Outcome> = (1..=units).map(|seed| calibrate::<F>(&scenario, seed)).collect();
     let n = outcomes.len() as f64;
     let parameters = outcomes[0].parameters;

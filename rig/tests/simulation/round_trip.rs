@@ -3,7 +3,7 @@
 use rig::Scenario;
 use sinscal::{Filter, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Strapdown, Tracked35};
 
-use crate::common::{calibrate, modelled_by};
+use crate::common::calibrate;
 
 /// The default scenario with shorter rests, so that it is quick.
 fn short(more: &str) -> Scenario {
@@ -11,7 +11,7 @@ fn short(more: &str) -> Scenario {
 }
 
 fn round_trip<F: Filter<Dynamics = Strapdown>>(scenario: &Scenario) {
-    let scenario = modelled_by::<F>(scenario.clone());
+    let scenario = scenario.clone().modelled_by::<F>();
     for seed in 1..=3 {
         let outcome = calibrate::<F>(&scenario, seed);
         let n = outcome.parameters as f64;

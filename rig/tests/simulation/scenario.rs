@@ -84,6 +84,18 @@ const BAD: &[(&str, &[&str])] = &[
     ),
     ("[population]\naccel-misalignment = [\"1 mrad\"]", &["accel-misalignment", "1 values", "list of 6"]),
     ("[population]\ndither-size-effect = \"40 mm\"", &["dither-size-effect", "inner-lever-arm"]),
+    (
+        "[motion]\nrounding = \"1 us\"",
+        &["line 2", "motion.rounding", "a tenth of the sampling interval, 0.002 s"],
+    ),
+    ("[motion]\nrate = \"1e-9 deg/s\"", &["line 1", "motion", "days", "up to 100 days"]),
+    ("[population]\naccel-bias = \"1e30 g\"", &["accel-bias", "from 0 to 10000 m/s^2"]),
+    ("[run]\nnumber = -1", &["run.number", "0, 1, 2"]),
+    (
+        "[motion]\npath = \"turns\"\nturns = [\n{ axis = \"x\", angle = \"9 deg\" },\n\
+         { axis = \"x\", angle = \"9 deg\",\nrate = \"500 deg/s\" }]",
+        &["line 6", "motion.turns[1].rate", "200 deg/s"],
+    ),
     ("[table]\nvibration_acceleration = \"1 mg\"", &["table.vibration_frequency", "12.5 Hz"]),
 ];
 
@@ -154,4 +166,31 @@ fn every_effect_can_be_given() {
     let truth = Scenario::parse(&text).unwrap().unit(1);
     assert_eq!(truth.effects().len(), 27);
     assert_eq!(truth.vector("dither-size-effect"), truth.vector("inner-lever-arm"));
+}
+
+#[test]
+fn damaged_text_is_refused_and_never_a_panic() {
+    for end in 0..DEFAULT_SCENARIO.len() {
+        let _ = DEFAULT_SCENARIO.get(..end).map(Scenario::parse);
+    }
+    for value in [
+        "\"\"",
+        "[]",
+        "{}",
+        "1979-05-27",
+        "\"1e999 s\"",
+        "\"0 s\"",
+        "true",
+        "\"-1 Hz\"",
+        "[[1], [2]]",
+        "\"1 deg\"",
+    ] {
+        for line in DEFAULT_SCENARIO.lines().filter(|line| line.contains(" = ") && !line.starts_with('#')) {
+            let key = line.split(" = ").next().unwrap_or_default();
+            let damaged = DEFAULT_SCENARIO.replacen(line, &format!("{key} = {value}"), 1);
+            if let Ok(scenario) = Scenario::parse(&damaged) {
+                assert!(rig::Simulation::new(&scenario, 1).is_ok(), "{key} = {value}");
+            }
+        }
+    }
 }

@@ -1,0 +1,139 @@
+//! `sinscal ablate`: the five filters of the paper side by side.
+
+pub(crate) mod run;
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use clap::Args;
+use miette::{IntoDiagnostic, Result};
+use serde::Serialize;
+
+use self::run::Fit;
+use crate::log::Log;
+use crate::navigate::run::{Flight, navigate};
+use crate::navigate::{ALIGNMENT, alignment, errors};
+use crate::output;
+
+/// Compare the five filters of the paper on one log, and what their calibrations are worth on another
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// The log to calibrate with: path of its table or description, with or without ending
+    log: PathBuf,
+    /// A log to navigate on with each calibration
+    #[arg(long, value_name = "LOG")]
+    swing: Option<PathBuf>,
+    /// Number of passes; each after the first linearises about the parameters found before
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    passes: u32,
+    /// Align over the first so many seconds of the swing log, at most half of it
+    #[arg(long, value_name = "SECONDS", default_value_t = ALIGNMENT, value_parser = alignment)]
+    align: f64,
+    /// Write the results as JSON; `-` writes them to standard output instead of the table
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write ablation.json, ablation.txt and errors.csv (errors over time) to this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Report {
+    filters: Vec<Row>,
+    passes: u32,
+    hours: Option<f64>,
+    alignment_s: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    filter: &'static str,
+    states: usize,
+    nis_per_dof: f64,
+    max_horizontal_nmi: Option<f64>,
+    final_horizontal_nmi: Option<f64>,
+    log_likelihood: f64,
+    updates: usize,
+}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<()> {
+        let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
+        let log = Log::open(&self.log)?;
+        let swing = self.swing.as_deref().map(Log::open).transpose()?;
+        for warning in log.warnings().iter().chain(swing.iter().flat_map(|log| log.warnings())) {
+            output::remark(&format!("warning: {warning}"));
+        }
+        let fits = run::calibrate(&log, self.passes)?;
+        let (statistics, calibrations): (Vec<_>, Vec<_>) =
+            fits.into_iter().map(|Fit { calibrated, statistics, states }| ((statistics, states), calibrated)).unzip();
+        let flown = swing.as_ref().map(|log| navigate(log, &calibrations, self.align)).transpose()?;
+        let flights: &[Flight] = flown.as_ref().map_or(&[], |(flights, _)| flights);
+        let rows = calibrations.iter().zip(&statistics).enumerate().map(|(i, (calibrated, (found, states)))| Row {
+            filter: calibrated.filter,
+            states: *states,
+            nis_per_dof: found.nis_per_dof(),
+            max_horizontal_nmi: flights.get(i).map(Flight::largest),
+            final_horizontal_nmi: flights.get(i).map(Flight::last),
+            log_likelihood: found.log_likelihood,
+            updates: found.updates,
+        });
+        let report = Report {
+            filters: rows.collect(),
+            passes: self.passes,
+            hours: flights.first().map(Flight::hours),
+            alignment_s: flown.as_ref().map(|(_, seconds)| *seconds),
+        };
+        let json = serde_json::to_string_pretty(&report).into_diagnostic()? + "\n";
+        target.write("ablation", &json, &table(&report), &verdict(&report), |files, folder| {
+            if flights.is_empty() {
+                return Ok(());
+            }
+            files.write(&folder.join("errors.csv"), |file| errors(flights, file))
+        })
+    }
+}
+
+fn verdict(report: &Report) -> String {
+    let flown = |row: &&Row| row.max_horizontal_nmi.is_some();
+    let by_error = |a: &&Row, b: &&Row| a.max_horizontal_nmi.unwrap_or(0.0).total_cmp(&b.max_horizontal_nmi.unwrap_or(0.0));
+    if let Some(best) = report.filters.iter().filter(flown).min_by(by_error) {
+        return format!(
+            "{} navigates best: at most {:.3} nautical miles in {:.2} h",
+            best.filter,
+            best.max_horizontal_nmi.unwrap_or(0.0),
+            report.hours.unwrap_or(0.0)
+        );
+    }
+    let off = |row: &Row| (row.nis_per_dof - 1.0).abs();
+    match report.filters.iter().min_by(|a, b| off(a).total_cmp(&off(b))) {
+        Some(best) => format!("{} fits best: NIS per degree of freedom {:.3}", best.filter, best.nis_per_dof),
+        None => String::new(),
+    }
+}
+
+/// Verdict and table. Writing to a string does not fail.
+fn table(report: &Report) -> String {
+    let mut text = verdict(report) + "\n\n";
+    let flown = report.hours.is_some();
+    let _ = write!(text, "{:8} {:>6} {:>12} {:>16}", "filter", "states", "NIS per dof", "log-likelihood");
+    let _ = writeln!(text, "{}", if flown { "    largest [nmi]    at the end [nmi]" } else { "" });
+    for row in &report.filters {
+        let _ = write!(
+            text,
+            "{:8} {:>6} {:>12.3} {:>16.0}",
+            row.filter, row.states, row.nis_per_dof, row.log_likelihood
+        );
+        if let (Some(largest), Some(last)) = (row.max_horizontal_nmi, row.final_horizontal_nmi) {
+            let _ = write!(text, " {largest:>16.3} {last:>19.3}");
+        }
+        text.push('\n');
+    }
+    if let Some(seconds) = report.alignment_s {
+        let _ = writeln!(
+            text,
+            "\nhorizontal errors of free-inertial navigation, height held, aligned over the first {seconds:.0} s with each calibration"
+        );
+    }
+    text
+}

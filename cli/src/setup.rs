@@ -1,0 +1,50 @@
+//! What the library must know of a log before its first sample.
+
+use miette::{Result, miette};
+use sinscal::{Aligner, FILTERS, FilterInfo, InitialAttitude, Setup};
+
+use crate::log::Log;
+
+/// The setup of a run over `log` that begins at `initial`.
+pub(crate) fn of(log: &Log, initial: InitialAttitude) -> Setup<'_> {
+    let description = log.description();
+    Setup {
+        rate: description.rate,
+        site: description.site,
+        initial,
+        reference: description.reference,
+        update_rate: log.update_rate(),
+        noise: description.noise,
+        reference_temperature: description.reference_temperature,
+        outer_lever: description.outer_lever,
+        priors: &description.priors,
+    }
+}
+
+/// The attitude at the first row: that of the description, or from the still stretch the log begins with.
+pub(crate) fn initial(log: &Log) -> Result<InitialAttitude> {
+    let description = log.description();
+    if let Some(initial) = description.initial {
+        return Ok(initial);
+    }
+    let prior = |name: &str| {
+        let given = description.priors.iter().find(|(effect, _)| *effect == name).map(|(_, sigma)| *sigma);
+        given.or_else(|| sinscal::effect(name).map(|effect| effect.prior_sigma)).unwrap_or(f64::INFINITY)
+    };
+    let (gyro, accel) = (prior("gyro-bias"), prior("accel-bias"));
+    let mut aligner = Aligner::new(description.site, description.rate, description.noise, gyro, accel);
+    for sample in log.samples()? {
+        if !aligner.push(&sample?) {
+            break;
+        }
+    }
+    aligner.finish().map_err(|error| miette!("{}: {error}", log.table().display()))
+}
+
+/// The filter called `name`, without regard to case.
+pub(crate) fn filter(name: &str) -> Result<&'static FilterInfo> {
+    FILTERS
+        .iter()
+        .find(|filter| filter.name.eq_ignore_ascii_case(name))
+        .ok_or_else(|| miette!("there is no filter called {name}"))
+}

@@ -1,0 +1,274 @@
+//! From prices to a verdict.
+
+use crate::name::{MARGIN, Search, Tried, search};
+use crate::noise::CAP;
+use crate::open::Open;
+use crate::report::Verdict;
+use crate::scene::Scene;
+use crate::verify::{Verification, held_out, verify};
+
+/// ln 20: an effect counts as confirmed when another stretch of data speaks for it by more than this.
+const CONFIRMED: f64 = 2.995_732_273_553_991;
+/// Where something remains unexplained, a named effect must outweigh it by this factor.
+const OUTWEIGHS: f64 = 5.0;
+/// ...and must keep this part of its gain when what remains is explained.
+const KEPT: f64 = 0.5;
+/// ...and must carry this part of what the whole set gains.
+const SHARE: f64 = 0.01;
+
+/// What was decided, in numbers of groups of the first scene.
+#[derive(Debug)]
+pub(crate) struct Decision {
+    pub(crate) verdict: Verdict,
+    /// The set that explains best; named when the verdict is that effects were found.
+    pub(crate) best: Tried,
+    pub(crate) verification: Option<Verification>,
+    /// Log of the e-value of each member on data that was not used for its estimate.
+    pub(crate) each: Vec<f64>,
+    /// Sets that explain as well.
+    pub(crate) rivals: Vec<Vec<usize>>,
+    /// Families of the dictionary that go with what is left, the most significant first.
+    pub(crate) correlates: Vec<usize>,
+    /// What remains on top of the set, where something does.
+    pub(crate) remains: Option<String>,
+    /// Why it was not confirmed.
+    pub(crate) reason: Option<String>,
+    /// Effects that were taken out again because the other data did not speak for them.
+    pub(crate) stripped: Vec<usize>,
+}
+
+/// Total evidence of a set: from the first log, and from the second given the first.
+fn evidence(first: &Scene, second: Option<&Scene>, set: &Tried, threshold: f64) -> f64 {
+    let more = second.and_then(|s| verify(first, s, &set.groups, threshold)).map_or(0.0, |v| v.ln_e);
+    set.gain + more
+}
+
+pub(crate) fn decide(first: &Scene, second: Option<&Scene>, open: Option<&Open>, threshold: f64) -> Decision {
+    let among = first.excited();
+    let mut found = search(&first.prices, &among, threshold);
+    let mut loud = open.map_or(Vec::new(), |o| o.loud(&found.sets[0].groups));
+    if found.sets[0].groups.is_empty() && !loud.is_empty() {
+        // one effect that is not quite significant itself may silence what the families say
+        let quiet = among
+            .iter()
+            .map(|g| Tried::new(&first.prices, vec![*g], &among))
+            .filter(|s| s.gain > MARGIN && s.is_adequate(threshold))
+            .filter(|s| open.is_some_and(|o| o.loud(&s.groups).is_empty()))
+            .max_by(|a, b| a.gain.total_cmp(&b.gain));
+        if let Some(quiet) = quiet {
+            found = Search { sets: vec![quiet], adequate: true };
+            loud.clear();
+        }
+    }
+    if found.sets[0].groups.is_empty() {
+        return nothing_named(first, found, loud);
+    }
+    let mut sets: Vec<(f64, Tried)> =
+        found.sets.into_iter().map(|s| (evidence(first, second, &s, threshold), s)).collect();
+    sets.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (most, mut best) = sets.remove(0);
+    let mut rivals: Vec<Vec<usize>> = sets
+        .into_iter()
+        .filter(|(e, s)| *e > most - MARGIN && !best.groups.iter().all(|g| s.groups.contains(g)))
+        .map(|(_, s)| s.groups)
+        .collect();
+    rivals.truncate(5);
+    let stripped = strip(first, second, &mut best, &among, threshold, found.adequate);
+    let loud = open.map_or(Vec::new(), |o| o.loud(&best.groups));
+    let correlates: Vec<usize> = loud.iter().map(|l| l.0).take(5).collect();
+    let verification = second.and_then(|s| verify(first, s, &best.groups, threshold));
+    let each = match &verification {
+        Some(v) => v.each.clone(),
+        None => held_out(first, &best.groups).1,
+    };
+    let clean = best.is_adequate(threshold - MARGIN)
+        && correlates.is_empty()
+        && verification.as_ref().is_none_or(|v| !v.something_left);
+    let remains = remainder(first, open, &best, &correlates, clean);
+    let mut decision = Decision {
+        verdict: Verdict::EffectsFound,
+        best,
+        verification,
+        each,
+        rivals,
+        correlates,
+        remains,
+        reason: None,
+        stripped,
+    };
+    judge(first, second, open, &mut decision, clean);
+    decision
+}
+
+/// No effect of the library is significant.
+fn nothing_named(first: &Scene, mut found: Search, loud: Vec<(usize, crate::prices::Score)>) -> Decision {
+    let n = first.noise;
+    let at_cap = [n.gyro, n.accel, n.reference].iter().any(|s| *s > CAP * 0.98);
+    let (verdict, reason) = if !loud.is_empty() {
+        (Verdict::OutsideLibrary, None)
+    } else if at_cap {
+        (Verdict::NotConfirmed, Some(format!("the noise is at least {CAP} times what is stated, and may hide anything")))
+    } else {
+        (Verdict::NothingMissing, None)
+    };
+    Decision {
+        verdict,
+        best: found.sets.remove(0),
+        verification: None,
+        each: Vec::new(),
+        rivals: Vec::new(),
+        correlates: loud.iter().map(|l| l.0).take(5).collect(),
+        remains: None,
+        reason,
+        stripped: Vec::new(),
+    }
+}
+
+/// Takes out members that data not used for their estimate do not speak for, while what is left stays adequate; where no
+/// set is adequate, also members that carry next to nothing.
+fn strip(
+    first: &Scene,
+    second: Option<&Scene>,
+    best: &mut Tried,
+    among: &[usize],
+    threshold: f64,
+    adequate: bool,
+) -> Vec<usize> {
+    let mut stripped = Vec::new();
+    while best.groups.len() > 1 {
+        let checked = second.and_then(|s| verify(first, s, &best.groups, threshold));
+        let each = match &checked {
+            Some(v) => v.each.clone(),
+            None => held_out(first, &best.groups).1,
+        };
+        let gains: Vec<f64> = best
+            .groups
+            .iter()
+            .map(|g| {
+                let others: Vec<usize> = best.groups.iter().copied().filter(|o| o != g).collect();
+                best.gain - first.prices.gain(&others)
+            })
+            .collect();
+        let weak = (0..best.groups.len())
+            .filter(|i| each[*i] < CONFIRMED || !adequate && gains[*i] < SHARE * best.gain)
+            .min_by(|a, b| gains[*a].total_cmp(&gains[*b]));
+        let Some(weak) = weak else { break };
+        let mut groups = best.groups.clone();
+        let out = groups.remove(weak);
+        let rest = Tried::new(&first.prices, groups, among);
+        if adequate && !rest.is_adequate(threshold - MARGIN) {
+            break;
+        }
+        stripped.push(out);
+        *best = rest;
+    }
+    stripped
+}
+
+/// What is most significant on top of the set, by name.
+fn remainder(
+    first: &Scene,
+    open: Option<&Open>,
+    best: &Tried,
+    correlates: &[usize],
+    clean: bool,
+) -> Option<String> {
+    if clean {
+        return None;
+    }
+    match (best.left, correlates.first(), open) {
+        (Some((g, score)), Some(family), Some(open)) => {
+            let gain = first.prices.gain(&with(&best.groups, g)) - best.gain;
+            if gain >= open.gain_on(*family, &best.groups) || score.ln_p < -100.0 && gain > 0.0 {
+                Some(first.prices.groups[g].name.clone())
+            } else {
+                Some(open.prices.groups[*family].name.clone())
+            }
+        }
+        (Some((g, _)), _, _) => Some(first.prices.groups[g].name.clone()),
+        (None, Some(family), Some(open)) => Some(open.prices.groups[*family].name.clone()),
+        _ => None,
+    }
+}
+
+fn with(groups: &[usize], g: usize) -> Vec<usize> {
+    let mut all = groups.to_vec();
+    all.push(g);
+    all
+}
+
+/// The verdict on a set of effects.
+fn judge(
+    first: &Scene,
+    second: Option<&Scene>,
+    open: Option<&Open>,
+    decision: &mut Decision,
+    clean: bool,
+) {
+    let best = &decision.best;
+    if !clean {
+        let strong = outweighs(first, second, open, decision);
+        if !strong {
+            let inside = decision.correlates.is_empty();
+            decision.verdict = if inside { Verdict::NotConfirmed } else { Verdict::OutsideLibrary };
+            decision.reason =
+                Some("something significant remains on top of every set of known effects that was tried".into());
+            return;
+        }
+    }
+    if let Some(family) = open.and_then(|o| o.rivals(&best.groups).first().map(|g| &o.prices.groups[*g].name)) {
+        decision.verdict = Verdict::OutsideLibrary;
+        decision.reason = Some(format!("{family}, which is no known effect, explains the data as well"));
+        decision.correlates =
+            open.map_or(Vec::new(), |o| o.rivals(&decision.best.groups).into_iter().take(5).collect());
+        return;
+    }
+    if !decision.rivals.is_empty() {
+        decision.verdict = Verdict::Ambiguous;
+        return;
+    }
+    let name = |i: usize| first.prices.groups[best.groups[i]].name.as_str();
+    if let Some(i) = (0..decision.each.len()).find(|i| decision.each[*i] < CONFIRMED) {
+        let other = if second.is_some() { "the second log" } else { "the second half of the log" };
+        decision.verdict = Verdict::NotConfirmed;
+        decision.reason = Some(format!("{other} does not speak for {}", name(i)));
+        return;
+    }
+    if second.is_some() && decision.verification.is_none() {
+        decision.verdict = Verdict::NotConfirmed;
+        decision.reason = Some("the second log cannot show it".into());
+        return;
+    }
+    if let Some(v) = &decision.verification
+        && let Some(i) = (0..v.same.len()).find(|i| !v.same[*i])
+        && clean
+    {
+        decision.verdict = Verdict::NotConfirmed;
+        decision.reason = Some(format!("{} has another value in the second log", name(i)));
+    }
+}
+
+/// Whether every member of the set outweighs what remains, in both logs.
+fn outweighs(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &Decision) -> bool {
+    let best = &decision.best;
+    let least = best
+        .groups
+        .iter()
+        .map(|g| {
+            let others: Vec<usize> = best.groups.iter().copied().filter(|o| o != g).collect();
+            best.gain - first.prices.gain(&others)
+        })
+        .fold(f64::INFINITY, f64::min);
+    let library = first
+        .excited()
+        .into_iter()
+        .filter(|g| !best.groups.contains(g))
+        .map(|g| first.prices.gain(&with(&best.groups, g)) - best.gain)
+        .fold(0.0, f64::max);
+    let families =
+        open.map_or(0.0, |o| decision.correlates.iter().map(|g| o.gain_on(*g, &best.groups)).fold(0.0, f64::max));
+    let kept = open
+        .map_or(1.0, |o| decision.correlates.iter().map(|g| o.kept(*g, &best.groups)).fold(1.0, f64::min));
+    let there = second.is_none() || decision.each.iter().all(|e| *e > 10.0 * CONFIRMED);
+    least > OUTWEIGHS * library.max(families) && kept > KEPT && there
+}

@@ -1,0 +1,408 @@
+//! The whole workflow.
+
+use calib_core::{Block, Extended, Filter};
+use sinscal::Strapdown;
+
+use crate::decide::{Decision, decide};
+use crate::declaration::declaration;
+use crate::excite::indistinguishable;
+use crate::linear::{FreeRun, Noise, Recorded, run_free};
+use crate::locate::locate;
+use crate::open::Open;
+use crate::report::{Diagnosis, FoundEffect, Gap, LogGap, NoiseScale, Rival, Verdict};
+use crate::run::{Declared, Log, Machine, Ran};
+use crate::scene::{EXCITED, Scene, SceneError};
+use crate::{CandidateStates, Candidates, say, threshold};
+
+/// How to diagnose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Of the simulated thresholds.
+    pub seed: u64,
+    /// Probability of an alarm when nothing is missing.
+    pub false_alarms: f64,
+    /// Whether the extended filter is really run, before and after.
+    pub rerun: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { seed: 1, false_alarms: 0.01, rerun: true }
+    }
+}
+
+/// Why a log cannot be diagnosed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A filter diverged.
+    #[error("{log}: {source}")]
+    Diverged {
+        /// Which log.
+        log: &'static str,
+        /// When.
+        source: sinscal::Diverged,
+    },
+    /// Too little to judge by.
+    #[error("{log}: {updates} updates by the reference are too few to judge by; at least 100 are needed")]
+    TooShort {
+        /// Which log.
+        log: &'static str,
+        /// Updates there are.
+        updates: usize,
+    },
+    /// The linear run broke down.
+    #[error("{log}: the innovation covariance is not positive definite; check the stated noise")]
+    Indefinite {
+        /// Which log.
+        log: &'static str,
+    },
+}
+
+impl Error {
+    fn of(log: &'static str, error: SceneError) -> Self {
+        match error {
+            SceneError::Diverged(source) => Self::Diverged { log, source },
+            SceneError::TooShort { updates } => Self::TooShort { log, updates },
+            SceneError::Indefinite => Self::Indefinite { log },
+        }
+    }
+}
+
+const FIRST: &str = "log";
+const SECOND: &str = "verification log";
+
+/// Diagnoses `log` with the declared filter `F` against the catalogue, and asks `verify` where there is one.
+///
+/// `progress` is told the stage and how much of the work is done.
+///
+/// # Errors
+/// When a filter diverges or a log is too short.
+pub fn diagnose<F>(
+    log: &Log,
+    verify: Option<&Log>,
+    options: &Options,
+    progress: &mut dyn FnMut(&'static str, f64),
+) -> Result<Diagnosis, Error>
+where
+    F: Filter<Dynamics = Strapdown>,
+    Extended<F, Candidates, CandidateStates>: Filter<Dynamics = Strapdown>,
+{
+    diagnose_with::<F, Candidates, CandidateStates>(log, verify, options, progress)
+}
+
+/// [`diagnose`] with candidates of one's own: a group `B` of blocks with `K` states.
+///
+/// # Errors
+/// When a filter diverges or a log is too short.
+pub fn diagnose_with<F, B, K>(
+    log: &Log,
+    verify: Option<&Log>,
+    options: &Options,
+    progress: &mut dyn FnMut(&'static str, f64),
+) -> Result<Diagnosis, Error>
+where
+    F: Filter<Dynamics = Strapdown>,
+    B: Block<Dynamics = Strapdown>,
+    K: 'static,
+    Extended<F, B, K>: Filter<Dynamics = Strapdown>,
+{
+    workflow(&Declared::<F, B, K>::new(), log, verify, options, progress)
+}
+
+macro_rules! named {
+    ($($filter:ident),+ $(,)?) => {
+        /// [`diagnose`] with the filter of a name; `None` when there is none.
+        ///
+        /// # Errors
+        /// When a filter diverges or a log is too short.
+        pub fn diagnose_named(
+            filter: &str,
+            log: &Log,
+            verify: Option<&Log>,
+            options: &Options,
+            progress: &mut dyn FnMut(&'static str, f64),
+        ) -> Option<Result<Diagnosis, Error>> {
+            $(if filter == <sinscal::$filter as Filter>::NAME {
+                return Some(diagnose::<sinscal::$filter>(log, verify, options, progress));
+            })+
+            None
+        }
+    };
+}
+
+named!(Sins36P, Sins39P, Sins40P, Sins43P, Sins43B, Mems30, Tracked35);
+
+/// Two things at once.
+fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B) -> (Option<A>, B) {
+    std::thread::scope(|scope| {
+        let other = scope.spawn(a);
+        let mine = b();
+        (other.join().ok(), mine)
+    })
+}
+
+fn workflow(
+    machine: &dyn Machine,
+    log: &Log,
+    verify: Option<&Log>,
+    options: &Options,
+    progress: &mut dyn FnMut(&'static str, f64),
+) -> Result<Diagnosis, Error> {
+    progress("running the filter with every effect", 0.0);
+    let (second, first) =
+        both(|| verify.map(|v| Scene::new(machine, v)), || Scene::new(machine, log));
+    let first = first.map_err(|e| Error::of(FIRST, e))?;
+    let second = second.flatten().transpose().map_err(|e| Error::of(SECOND, e))?;
+    progress("pricing what is in no library", 0.45);
+    let rate = options.false_alarms / 2.0;
+    let (open, limit) = both(
+        || Open::new(&first, rate, options.seed),
+        || threshold::simulate(&first.prices, &first.excited(), rate, options.seed, "library"),
+    );
+    let open = open.flatten();
+    progress("naming and verifying", 0.6);
+    let decision = decide(&first, second.as_ref(), open.as_ref(), limit);
+    let mut d = report(machine, &first, second.as_ref(), open.as_ref(), &decision);
+    if options.rerun && !decision.best.groups.is_empty() {
+        progress("running the filter with what was found", 0.7);
+        rerun(machine, log, verify, &first, second.as_ref(), &decision, &mut d)?;
+    }
+    d.sentence = say::sentence(&d, decision.reason.as_deref());
+    progress("done", 1.0);
+    Ok(d)
+}
+
+/// Everything but the re-run.
+fn report(
+    machine: &dyn Machine,
+    first: &Scene,
+    second: Option<&Scene>,
+    open: Option<&Open>,
+    decision: &Decision,
+) -> Diagnosis {
+    let prices = &first.prices;
+    let names = |groups: &[usize]| groups.iter().map(|g| prices.groups[*g].name.clone()).collect::<Vec<_>>();
+    let best = &decision.best.groups;
+    let confirmed = decision.verdict == Verdict::EffectsFound;
+    let pairs = indistinguishable(first);
+    let mut ambiguous: Vec<Vec<String>> = Vec::new();
+    if !confirmed && !best.is_empty() && decision.verdict != Verdict::OutsideLibrary {
+        ambiguous.push(names(best));
+        ambiguous.extend(decision.rivals.iter().map(|r| names(r)));
+    }
+    let not_excited: Vec<String> = first
+        .ran
+        .recording
+        .columns()
+        .iter()
+        .filter(|c| !c.base && !machine.has(c.info.block))
+        .map(|c| c.info.block)
+        .filter(|b| prices.find(b).is_none_or(|g| prices.excitation(g).0 < EXCITED))
+        .fold(Vec::new(), |mut all: Vec<String>, block| {
+            if all.last().is_none_or(|last| last != block) {
+                all.push(block.into());
+            }
+            all
+        });
+    let mut indistinct: Vec<Vec<String>> = Vec::new();
+    for pair in &pairs {
+        if !indistinct.iter().any(|p| p[0] == pair.other && p[1] == pair.effect) {
+            indistinct.push(vec![pair.effect.clone(), pair.other.clone()]);
+        }
+    }
+    let next_run = pairs.iter().filter_map(|p| say::advice(&p.effect, &p.other)).collect();
+    let (places, evidence) = locate(first, best);
+    let base = machine.base();
+    let source = confirmed.then(|| declaration(&base, &names(best).iter().map(String::as_str).collect::<Vec<_>>()));
+    let mut d = Diagnosis {
+        verdict: decision.verdict,
+        sentence: String::new(),
+        verified: confirmed && second.is_some(),
+        base_filter: base.name,
+        effects: Vec::new(),
+        ambiguous,
+        not_excited,
+        indistinguishable: indistinct,
+        correlates_with: open.map_or(Vec::new(), |o| {
+            decision.correlates.iter().map(|g| o.prices.groups[*g].name.clone()).collect()
+        }),
+        r#where: places,
+        noise_scale: NoiseScale {
+            gyro: first.noise.gyro,
+            accel: first.noise.accel,
+            reference: first.noise.reference,
+        },
+        gap: None,
+        declaration: None,
+        source,
+        rivals: rivals(first, best),
+        evidence,
+        notes: Vec::new(),
+        next_run,
+    };
+    if confirmed {
+        effects(first, second, decision, &mut d);
+    }
+    notes(first, second, open, decision, &mut d);
+    d
+}
+
+/// Values as priced; the re-run replaces them.
+fn effects(first: &Scene, second: Option<&Scene>, decision: &Decision, d: &mut Diagnosis) {
+    let best = &decision.best.groups;
+    let Some((mean, covariance)) = first.prices.posterior(best) else { return };
+    let there = second.and_then(|s| {
+        let mapped: Option<Vec<usize>> =
+            best.iter().map(|g| s.prices.find(&first.prices.groups[*g].name)).collect();
+        s.prices.posterior(&mapped?)
+    });
+    let columns = first.columns(best);
+    let recording = &first.ran.recording;
+    let mut at = 0;
+    for (i, g) in best.iter().enumerate() {
+        let group = &first.prices.groups[*g];
+        let range = at..at + group.members.len();
+        at = range.end;
+        let others: Vec<usize> = best.iter().copied().filter(|o| o != g).collect();
+        d.effects.push(FoundEffect {
+            name: group.name.clone(),
+            components: range.clone().map(|k| recording.columns()[columns[k]].info.component.into()).collect(),
+            estimate: range.clone().map(|k| mean[k]).collect(),
+            sigma: range.clone().map(|k| covariance[(k, k)].sqrt()).collect(),
+            estimate_verify: there.as_ref().map(|t| range.clone().map(|k| t.0[k]).collect()),
+            unit: recording.columns()[columns[range.start]].info.unit.into(),
+            log_likelihood_gain: first.prices.gain(best) - first.prices.gain(&others),
+            log_e_verify: decision.each[i],
+        });
+    }
+}
+
+fn rivals(first: &Scene, best: &[usize]) -> Vec<Rival> {
+    let prices = &first.prices;
+    let ln10 = core::f64::consts::LN_10;
+    let chosen = prices.gain(best);
+    let mut table: Vec<Rival> = prices
+        .all()
+        .into_iter()
+        .map(|g| {
+            let others: Vec<usize> = best.iter().copied().filter(|o| *o != g).collect();
+            let mut all = others.clone();
+            all.push(g);
+            let after = prices.given(best).map_or(0.0, |p| p.score(g).ln_p);
+            let member = best.contains(&g);
+            Rival {
+                name: prices.groups[g].name.clone(),
+                log10_p_before: prices.score(g).ln_p / ln10,
+                log10_p_after: if member { 0.0 } else { after / ln10 },
+                gain_alone: prices.gain(&[g]),
+                gain_on_top: prices.gain(&all) - prices.gain(&others),
+                chosen_on_top: if member { 0.0 } else { prices.gain(&all) - prices.gain(&[g]) },
+                excitation: prices.excitation(g).0,
+            }
+        })
+        .collect();
+    table.sort_by(|a, b| b.gain_alone.total_cmp(&a.gain_alone));
+    debug_assert!(chosen.is_finite());
+    table
+}
+
+fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &Decision, d: &mut Diagnosis) {
+    let mut note = |text: String| d.notes.push(text);
+    for (log, scene) in [("this log", Some(first)), ("the second log", second)] {
+        let Some(Noise { gyro, accel, reference }) = scene.map(|s| s.noise) else { continue };
+        for (what, scale) in [("gyros", gyro), ("accelerometers", accel), ("reference", reference)] {
+            if !(0.5..=2.0).contains(&scale) {
+                note(format!("in {log} the noise of the {what} is {scale:.2} times what is stated"));
+            }
+        }
+    }
+    if let Some(remains) = &decision.remains {
+        note(format!("something remains on top of it; the largest part goes with {remains}"));
+    }
+    for g in &decision.stripped {
+        note(format!(
+            "{} was tried on top and taken out again: it carries too little, or other data do not speak for it",
+            first.prices.groups[*g].name
+        ));
+    }
+    if let Some(v) = &decision.verification {
+        let total = say::power(v.ln_e);
+        note(format!("on the second log the set as a whole has the e-value {total}"));
+    }
+    if let Some(open) = open {
+        for g in &decision.correlates {
+            let gain = open.gain_on(*g, &decision.best.groups);
+            note(format!(
+                "{} gains {gain:.0} on top, in {}",
+                open.prices.groups[*g].name, open.units[*g]
+            ));
+        }
+    }
+}
+
+/// Runs base and extended filter on both logs, closed loop and relinearised, and compares.
+fn rerun(
+    machine: &dyn Machine,
+    log: &Log,
+    verify: Option<&Log>,
+    first: &Scene,
+    second: Option<&Scene>,
+    decision: &Decision,
+    d: &mut Diagnosis,
+) -> Result<(), Error> {
+    let names: Vec<&str> =
+        decision.best.groups.iter().map(|g| first.prices.groups[*g].name.as_str()).collect();
+    let takes = |block: &str| names.contains(&block);
+    let pair = |log: &Log, scene: &Scene| -> Result<(LogGap, Ran), SceneError> {
+        let before = machine.run(log, &|_| false)?;
+        let after = machine.run(log, &takes)?;
+        let (start, end) = before.recording.span();
+        let horizon = ((end - start) / 40.0).min(60.0);
+        let measure = |ran: &Ran| -> Result<(f64, f64, (f64, &'static str)), SceneError> {
+            let mut columns = ran.recording.base();
+            columns.extend(ran.recording.candidates());
+            let mut free = FreeRun::new(horizon, (start + end) / 2.0);
+            let none = Recorded(&[]);
+            let found = run_free(&ran.recording, &columns, &none, &scene.noise, &mut |_| {}, &mut free)
+                .ok_or(SceneError::Indefinite)?;
+            let rms = (found.gram[0] / found.degrees_of_freedom as f64).sqrt();
+            Ok((rms, found.log_likelihood, free.rms()))
+        };
+        let (b, a) = (measure(&before)?, measure(&after)?);
+        let there: Option<Vec<usize>> = names.iter().map(|n| scene.prices.find(n)).collect();
+        let gap = LogGap {
+            rms_before: b.0,
+            rms_after: a.0,
+            log_likelihood_before: b.1,
+            log_likelihood_after: a.1,
+            log_likelihood_gain_priced: there.map_or(f64::NAN, |g| scene.prices.gain(&g)),
+            free_run_before: b.2.0,
+            free_run_after: a.2.0,
+            free_run_of: b.2.1,
+            horizon_s: horizon,
+        };
+        Ok((gap, after))
+    };
+    let (there, here) = both(
+        || verify.zip(second).map(|(log, scene)| pair(log, scene)),
+        || pair(log, first),
+    );
+    let (fit, after) = here.map_err(|e| Error::of(FIRST, e))?;
+    let verify = there.flatten().transpose().map_err(|e| Error::of(SECOND, e))?;
+    let values = |ran: &Ran, name: &str| -> Vec<(f64, f64)> {
+        let columns = ran.recording.columns().iter().zip(&ran.estimate);
+        columns.filter(|(c, _)| c.info.block == name && !c.base).map(|(_, e)| *e).collect()
+    };
+    for effect in &mut d.effects {
+        let here = values(&after, &effect.name);
+        // pricing has the fitted noise, the closed loop the stated one: keep the former's standard deviations
+        if here.len() == effect.estimate.len() {
+            effect.estimate = here.iter().map(|e| e.0).collect();
+        }
+        if let Some((_, ran)) = &verify {
+            effect.estimate_verify = Some(values(ran, &effect.name).iter().map(|e| e.0).collect());
+        }
+    }
+    d.gap = Some(Gap { fit, verify: verify.map(|v| v.0) });
+    Ok(())
+}

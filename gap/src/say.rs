@@ -1,0 +1,115 @@
+//! Sentences for people.
+
+use std::fmt::Write;
+
+use sinscal::effect;
+
+use crate::report::{Diagnosis, FoundEffect, Verdict};
+
+/// A value and its standard deviation in the unit of data sheets.
+fn value(name: &str, component: &str, unit: &str, value: f64, sigma: f64) -> String {
+    let (unit, scale) =
+        effect(name).map_or((unit, 1.0), |e| (e.sheet_unit, e.sheet_scale));
+    let (v, s) = (value / scale, sigma / scale);
+    // two digits of the standard deviation
+    let digits = if s > 0.0 && s.is_finite() { (1.0 - s.log10().floor()).clamp(0.0, 9.0) as usize } else { 3 };
+    let component = if component.is_empty() { "value" } else { component };
+    format!("{component} = {v:.digits$} +- {s:.digits$} {unit}")
+}
+
+/// One effect with its equation and its values.
+pub(crate) fn describe(found: &FoundEffect) -> String {
+    let mut text = found.name.clone();
+    if let Some(effect) = effect(&found.name) {
+        let _ = write!(text, ", {}", effect.equation().trim_end_matches('.'));
+    }
+    let values: Vec<String> = (0..found.estimate.len())
+        .map(|i| value(&found.name, &found.components[i], &found.unit, found.estimate[i], found.sigma[i]))
+        .collect();
+    let _ = write!(text, ": {}", values.join(", "));
+    text
+}
+
+/// e to the power of `ln`, as people write it.
+pub(crate) fn power(ln: f64) -> String {
+    let log10 = ln / core::f64::consts::LN_10;
+    if log10.abs() < 4.0 { format!("{:.3}", ln.exp()) } else { format!("1e{log10:.0}") }
+}
+
+/// The verdict in a sentence.
+pub(crate) fn sentence(d: &Diagnosis, reason: Option<&str>) -> String {
+    let because = reason.map_or(String::new(), |r| format!(": {r}"));
+    match d.verdict {
+        Verdict::NothingMissing => {
+            let mut text = format!("Nothing is missing from {}: no known effect", d.base_filter);
+            text += " and no combination of what was measured explains more than chance would.";
+            text
+        }
+        Verdict::EffectsFound => found(d),
+        Verdict::OutsideLibrary => {
+            let with = d.correlates_with.first().map_or(String::new(), |c| format!("; it correlates with {c}"));
+            format!("Something is missing from {}, and none of the known effects explains it{because}{with}.", d.base_filter)
+        }
+        Verdict::Ambiguous => {
+            let sets: Vec<String> = d.ambiguous.iter().map(|s| s.join(" + ")).collect();
+            format!("Something is missing from {}, but these explain it equally well: {}.", d.base_filter, sets.join("; "))
+        }
+        Verdict::NotConfirmed => match d.ambiguous.first() {
+            Some(set) => format!("{} would explain this log, but is not confirmed{because}.", set.join(" + ")),
+            None => format!("Nothing can be said{because}."),
+        },
+    }
+}
+
+fn found(d: &Diagnosis) -> String {
+    let named: Vec<String> = d.effects.iter().map(describe).collect();
+    let mut text = format!("Missing: {}.", named.join("; and "));
+    let gain: f64 = d.gap.map_or(0.0, |g| g.fit.log_likelihood_gain_priced);
+    let least = d.effects.iter().map(|e| e.log_e_verify).fold(f64::INFINITY, f64::min);
+    let (here, there) = if d.verified {
+        ("here", "on the second run")
+    } else {
+        ("here", "on the second half of the run (no second run was given)")
+    };
+    let _ = write!(text, " Log-likelihood gain {gain:.0} {here}, e-value {}{} {there}", power(least), if d.effects.len() > 1 { " or more for each" } else { "" });
+    let rejected = d
+        .rivals
+        .iter()
+        .filter(|r| d.effects.iter().all(|e| e.name != r.name) && r.gain_alone > 1.0)
+        .max_by(|a, b| a.gain_alone.total_cmp(&b.gain_alone));
+    if let Some(r) = rejected {
+        let it = if d.effects.len() > 1 { "what was found" } else { d.effects[0].name.as_str() };
+        let _ = write!(
+            text,
+            "; {} rejected: {it} still adds {:.0} on top of it, it adds {:.1} on top of {it}",
+            r.name, r.chosen_on_top, r.gain_on_top
+        );
+    }
+    text.push('.');
+    text
+}
+
+/// What the next run should do so that two effects part.
+pub(crate) fn advice(effect_name: &str, other: &str) -> Option<String> {
+    let is = |name: &str| effect_name == name || other == name;
+    let text = if is("dither-size-effect") && is("accel-bias") {
+        "let the dither amplitude change during the run (another setting, or a warm-up): constant, it is an accelerometer bias"
+    } else if effect_name.contains("temperature") && other.contains("drift")
+        || effect_name.contains("drift") && other.contains("temperature")
+    {
+        "run another thermal profile: a temperature that rises and falls again parts temperature from time"
+    } else if effect_name.contains("temperature") {
+        "change the temperature during the run, so that it does not stay near one value"
+    } else if is("accel-cubic") || is("accel-scale-asymmetry") || is("accel-cross-coupling") {
+        "add positions at 45 deg, where the forces along the axes have other sizes than 0 and 1 g"
+    } else if effect_name.starts_with("gyro-rate") || effect_name.starts_with("gyro-scale-asymmetry") {
+        "turn at several rates and in both senses, and not back by the same angle"
+    } else if is("inner-lever-arm-tangential") || is("inner-lever-arm") {
+        "turn fast, with strong angular accelerations, about more than one axis"
+    } else if is("reference-delay") {
+        "let the observed point move: a reference that stands still has no delay to show"
+    } else {
+        return None;
+    };
+    Some(format!("{effect_name} against {other}: {text}"))
+}
