@@ -34,7 +34,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if let Some(update) = run.step_observed(&sample, &mut smoother)? {
             let expected = update.degrees_of_freedom as f64;
             if update.nis > expected + 8.0 * expected.sqrt() {
-                println!("{:7.1} s: the reference disagrees, NIS {:.0} for {expected}", update.time, update.nis);
+                println!(
+                    "{:7.1} s: the reference disagrees, NIS {:.0} for {expected}",
+                    update.time, update.nis
+                );
             }
         }
     }
@@ -43,7 +46,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     run.parameters(&mut |p| {
         let (value, sigma) = (p.value / p.info.sheet_scale, p.sigma / p.info.sheet_scale);
         if p.estimated {
-            println!("{:20} {:3} {value:9.3} +- {sigma:6.3} {}", p.info.block, p.info.component, p.info.sheet_unit);
+            println!(
+                "{:20} {:3} {value:9.3} +- {sigma:6.3} {}",
+                p.info.block, p.info.component, p.info.sheet_unit
+            );
         }
     });
 

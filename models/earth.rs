@@ -80,10 +80,10 @@ mod tests {
 
     #[test]
     fn radii_meet_at_the_pole_and_bracket_the_axis_at_the_equator() {
-        let (m, n) = radii(core::f64::consts::FRAC_PI_2);
+        let (m, n) = radii::<f64>(core::f64::consts::FRAC_PI_2);
         assert!((m - n).abs() < 1e-6);
         assert!((m - 6_399_593.625_8).abs() < 1e-3);
-        let (m, n) = radii(0.0);
+        let (m, n) = radii::<f64>(0.0);
         assert!((m - 6_335_439.327_3).abs() < 1e-3);
         assert!((n - SEMI_MAJOR_AXIS).abs() < 1e-9);
     }

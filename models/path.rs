@@ -96,7 +96,7 @@ mod tests {
         let mut now = attitude(b"NED").unwrap();
         let wrong = EIGHTEEN_ROTATIONS.iter().zip(PRINTED).filter(|(turn, printed)| {
             now *= turn.rotation();
-            now.angle_to(&attitude(*printed).unwrap()) > 1e-9
+            now.angle_to(&attitude(printed).unwrap()) > 1e-9
         });
         assert!(wrong.count() > 9);
     }

@@ -11,10 +11,18 @@ use sinscal::{Calibration, Conventional, Observer, Sins36P, Smoother, Transition
 type F = Sins36P;
 const N: usize = F::DIM;
 
-/// Remembers everything, as dense matrices.
+/// One prediction, as dense matrices, and what the update after it did.
+struct Step {
+    transition: DMatrix<f64>,
+    predicted: DMatrix<f64>,
+    change: DVector<f64>,
+    navigation: Option<NavigationState<f64>>,
+}
+
+/// Remembers everything.
 #[derive(Default)]
 struct Textbook {
-    steps: Vec<(DMatrix<f64>, DMatrix<f64>, DVector<f64>, Option<NavigationState<f64>>)>,
+    steps: Vec<Step>,
     transition: Option<DMatrix<f64>>,
 }
 
@@ -26,13 +34,17 @@ impl Observer<F> for Textbook {
     }
     fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
         let p = kalman.covariance();
-        let f = self.transition.take().expect("a prediction came first");
-        self.steps.push((f, DMatrix::from_fn(N, N, |i, j| p[i][j]), DVector::zeros(N), None));
+        self.steps.push(Step {
+            transition: self.transition.take().expect("a prediction came first"),
+            predicted: DMatrix::from_fn(N, N, |i, j| p[i][j]),
+            change: DVector::zeros(N),
+            navigation: None,
+        });
     }
     fn updated(&mut self, update: &Updated<'_, F>) {
         if let Some(step) = self.steps.last_mut() {
-            step.2 = DVector::from_fn(N, |i, _| update.change[i]);
-            step.3 = Some(*update.navigation);
+            step.change = DVector::from_fn(N, |i, _| update.change[i]);
+            step.navigation = Some(*update.navigation);
         }
     }
 }
@@ -104,7 +116,7 @@ fn smoothed_as_in_the_textbook(pass_two: bool) {
     let mut s = DVector::<f64>::zeros(N);
     let mut expected = Vec::new();
     for k in (0..steps.len()).rev() {
-        let (f, predicted, change, navigation) = &steps[k];
+        let Step { transition, predicted, change, navigation } = &steps[k];
         if let Some(mut navigation) = *navigation {
             let part = |i: usize| Vector3::new(s[i], s[i + 1], s[i + 2]);
             navigation.correct(&part(0), &part(3), &part(6));
@@ -114,7 +126,7 @@ fn smoothed_as_in_the_textbook(pass_two: bool) {
             // scaled, since variances span twenty decades
             let d = DMatrix::from_diagonal(&predicted.diagonal().map(|v| 1.0 / v.sqrt()));
             let inverse = &d * (&d * predicted * &d).try_inverse().expect("definite") * &d;
-            s = &filtered[k - 1] * f.transpose() * inverse * (s + change);
+            s = &filtered[k - 1] * transition.transpose() * inverse * (s + change);
         }
     }
     expected.reverse();

@@ -10,7 +10,8 @@ use hybrid_array::typenum::{Sum, Unsigned};
 use hybrid_array::{ArraySize, AssocArraySize};
 
 use crate::{
-    Array, Block, BlockSet, Dim, Dynamics, Entries, Estimate, Filter, Need, Real, Relaxation, Shape, StateInfo, View,
+    Array, Block, BlockSet, Dim, Dynamics, Entries, Estimate, Filter, Need, Real, Relaxation, Shape,
+    StateInfo, View,
 };
 
 /// Sizes given as types: `N` states of which the first `C` move, measured in `M` rows.

@@ -3,8 +3,8 @@
 use core::marker::PhantomData;
 
 use crate::{
-    Array, Conventional, CoreVector, Dynamics, Fade, Filter, Form, Matrix, Measurement,
-    MeasurementMatrix, MeasurementRows, Real, Shape, Transition, Vector,
+    Array, Conventional, CoreVector, Dynamics, Fade, Filter, Form, Matrix, Measurement, MeasurementMatrix,
+    MeasurementRows, Real, Shape, Transition, Vector,
 };
 
 /// Residuals of a declared filter's measurements, assembled channel by channel.

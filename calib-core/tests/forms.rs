@@ -165,7 +165,7 @@ fn conventional_is_symmetric_to_the_bit() {
     Conventional::set_diagonal::<S, f64>(&mut cov, &case.start);
     for _ in 0..10 {
         let case = Case::<S>::new(&mut numbers);
-        let mut x = case.x.clone();
+        let mut x = case.x;
         Conventional::propagate::<S, f64>(&mut cov, &case.rows, &case.noise);
         Conventional::update::<S, f64>(&mut cov, &mut x, &case.h, &case.r, &case.z).unwrap();
         for i in 0..43 {

@@ -52,7 +52,10 @@ pub type CandidateStates = hybrid_array::typenum::U61;
 fn kin(block: &str) -> Option<&'static str> {
     Some(match block {
         "accel-temperature-bias" | "accel-temperature-rate" | "accel-bias-drift" => "accel-bias",
-        "accel-quadratic" | "accel-temperature-scale" | "accel-scale-asymmetry" | "accel-cubic"
+        "accel-quadratic"
+        | "accel-temperature-scale"
+        | "accel-scale-asymmetry"
+        | "accel-cubic"
         | "accel-cross-coupling" => "accel-scale",
         "gyro-temperature-bias" | "gyro-g-sensitivity" | "gyro-bias-drift" => "gyro-bias",
         "gyro-scale-asymmetry" | "gyro-rate-nonlinearity" => "gyro-scale",

@@ -107,7 +107,10 @@ fn nothing_named(first: &Scene, mut found: Search, loud: Vec<(usize, crate::pric
     let (verdict, reason) = if !loud.is_empty() {
         (Verdict::OutsideLibrary, None)
     } else if at_cap {
-        (Verdict::NotConfirmed, Some(format!("the noise is at least {CAP} times what is stated, and may hide anything")))
+        (
+            Verdict::NotConfirmed,
+            Some(format!("the noise is at least {CAP} times what is stated, and may hide anything")),
+        )
     } else {
         (Verdict::NothingMissing, None)
     };
@@ -198,25 +201,21 @@ fn with(groups: &[usize], g: usize) -> Vec<usize> {
 }
 
 /// The verdict on a set of effects.
-fn judge(
-    first: &Scene,
-    second: Option<&Scene>,
-    open: Option<&Open>,
-    decision: &mut Decision,
-    clean: bool,
-) {
+fn judge(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &mut Decision, clean: bool) {
     let best = &decision.best;
     if !clean {
         let strong = outweighs(first, second, open, decision);
         if !strong {
             let inside = decision.correlates.is_empty();
             decision.verdict = if inside { Verdict::NotConfirmed } else { Verdict::OutsideLibrary };
-            decision.reason =
-                Some("something significant remains on top of every set of known effects that was tried".into());
+            decision.reason = Some(
+                "something significant remains on top of every set of known effects that was tried".into(),
+            );
             return;
         }
     }
-    if let Some(family) = open.and_then(|o| o.rivals(&best.groups).first().map(|g| &o.prices.groups[*g].name)) {
+    if let Some(family) = open.and_then(|o| o.rivals(&best.groups).first().map(|g| &o.prices.groups[*g].name))
+    {
         decision.verdict = Verdict::OutsideLibrary;
         decision.reason = Some(format!("{family}, which is no known effect, explains the data as well"));
         decision.correlates =
@@ -265,8 +264,8 @@ fn outweighs(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decisio
         .filter(|g| !best.groups.contains(g))
         .map(|g| first.prices.gain(&with(&best.groups, g)) - best.gain)
         .fold(0.0, f64::max);
-    let families =
-        open.map_or(0.0, |o| decision.correlates.iter().map(|g| o.gain_on(*g, &best.groups)).fold(0.0, f64::max));
+    let families = open
+        .map_or(0.0, |o| decision.correlates.iter().map(|g| o.gain_on(*g, &best.groups)).fold(0.0, f64::max));
     let kept = open
         .map_or(1.0, |o| decision.correlates.iter().map(|g| o.kept(*g, &best.groups)).fold(1.0, f64::min));
     let there = second.is_none() || decision.each.iter().all(|e| *e > 10.0 * CONFIRMED);

@@ -149,8 +149,7 @@ fn workflow(
     progress: &mut dyn FnMut(&'static str, f64),
 ) -> Result<Diagnosis, Error> {
     progress("running the filter with every effect", 0.0);
-    let (second, first) =
-        both(|| verify.map(|v| Scene::new(machine, v)), || Scene::new(machine, log));
+    let (second, first) = both(|| verify.map(|v| Scene::new(machine, v)), || Scene::new(machine, log));
     let first = first.map_err(|e| Error::of(FIRST, e))?;
     let second = second.flatten().transpose().map_err(|e| Error::of(SECOND, e))?;
     progress("pricing what is in no library", 0.45);
@@ -213,7 +212,8 @@ fn report(
     let next_run = pairs.iter().filter_map(|p| say::advice(&p.effect, &p.other)).collect();
     let (places, evidence) = locate(first, best);
     let base = machine.base();
-    let source = confirmed.then(|| declaration(&base, &names(best).iter().map(String::as_str).collect::<Vec<_>>()));
+    let source =
+        confirmed.then(|| declaration(&base, &names(best).iter().map(String::as_str).collect::<Vec<_>>()));
     let mut d = Diagnosis {
         verdict: decision.verdict,
         sentence: String::new(),
@@ -266,7 +266,10 @@ fn effects(first: &Scene, second: Option<&Scene>, decision: &Decision, d: &mut D
         let others: Vec<usize> = best.iter().copied().filter(|o| o != g).collect();
         d.effects.push(FoundEffect {
             name: group.name.clone(),
-            components: range.clone().map(|k| recording.columns()[columns[k]].info.component.into()).collect(),
+            components: range
+                .clone()
+                .map(|k| recording.columns()[columns[k]].info.component.into())
+                .collect(),
             estimate: range.clone().map(|k| mean[k]).collect(),
             sigma: range.clone().map(|k| covariance[(k, k)].sqrt()).collect(),
             estimate_verify: there.as_ref().map(|t| range.clone().map(|k| t.0[k]).collect()),
@@ -332,10 +335,7 @@ fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
     if let Some(open) = open {
         for g in &decision.correlates {
             let gain = open.gain_on(*g, &decision.best.groups);
-            note(format!(
-                "{} gains {gain:.0} on top, in {}",
-                open.prices.groups[*g].name, open.units[*g]
-            ));
+            note(format!("{} gains {gain:.0} on top, in {}", open.prices.groups[*g].name, open.units[*g]));
         }
     }
 }
@@ -383,10 +383,7 @@ fn rerun(
         };
         Ok((gap, after))
     };
-    let (there, here) = both(
-        || verify.zip(second).map(|(log, scene)| pair(log, scene)),
-        || pair(log, first),
-    );
+    let (there, here) = both(|| verify.zip(second).map(|(log, scene)| pair(log, scene)), || pair(log, first));
     let (fit, after) = here.map_err(|e| Error::of(FIRST, e))?;
     let verify = there.flatten().transpose().map_err(|e| Error::of(SECOND, e))?;
     let values = |ran: &Ran, name: &str| -> Vec<(f64, f64)> {

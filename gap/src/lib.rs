@@ -30,5 +30,3 @@ pub use linear::Noise;
 pub use recording::{Column, Recording};
 pub use report::{Diagnosis, Evidence, FoundEffect, Gap, LogGap, NoiseScale, Place, Rival, Verdict};
 pub use run::Log;
-
-

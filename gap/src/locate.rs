@@ -15,8 +15,7 @@ const SHORTEST: f64 = 4.0;
 const STRETCHES: usize = 80;
 
 /// Names of the channels of the strapdown dynamics.
-const CHANNELS: [&str; 9] =
-    ["vel_e", "vel_n", "vel_u", "pos_e", "pos_n", "pos_u", "att_e", "att_n", "att_u"];
+const CHANNELS: [&str; 9] = ["vel_e", "vel_n", "vel_u", "pos_e", "pos_n", "pos_u", "att_e", "att_n", "att_u"];
 
 /// Matched-filter gain of `named` by stretch and channel, the strongest first, and its growth.
 pub(crate) fn locate(scene: &Scene, named: &[usize]) -> (Vec<Place>, Vec<Evidence>) {

@@ -7,7 +7,7 @@ use crate::prices::{Prices, groups_of};
 use crate::recording::Recording;
 
 /// Scales are sought between 2/7 of what is stated and 3.5 times that.
-pub const CAP: f64 = 3.5;
+pub(crate) const CAP: f64 = 3.5;
 /// Steps the fit looks at, about.
 const STEPS: usize = 900;
 /// Standard deviation of the logarithm of a scale before the fit.
@@ -18,10 +18,7 @@ pub(crate) fn price(recording: &Recording, noise: &Noise) -> Option<(f64, Prices
     let priced = recording.candidates();
     let found = run(recording, &recording.base(), &Recorded(&priced), noise, &mut |_| {})?;
     let sigma = priced.iter().map(|c| recording.columns[*c].prior).collect();
-    Some((
-        found.log_likelihood,
-        Prices::new(&found.gram, sigma, groups_of(&recording.columns, &priced)),
-    ))
+    Some((found.log_likelihood, Prices::new(&found.gram, sigma, groups_of(&recording.columns, &priced))))
 }
 
 /// Log-likelihood of the filter with every candidate, and a weak preference for what is stated.
@@ -102,7 +99,8 @@ pub(crate) fn fit(recording: &Recording) -> Noise {
         let tries: Vec<Vector3<f64>> =
             [1.0, 0.5, 0.2, 0.05].iter().map(|s| (x + step * *s).map(|v| v.clamp(-limit, limit))).collect();
         let g = objectives(recording, &tries);
-        let Some(best) = (0..tries.len()).filter(|k| g[*k] > f[0]).max_by(|a, b| g[*a].total_cmp(&g[*b])) else {
+        let Some(best) = (0..tries.len()).filter(|k| g[*k] > f[0]).max_by(|a, b| g[*a].total_cmp(&g[*b]))
+        else {
             break;
         };
         let moved = (tries[best] - x).amax();

@@ -50,10 +50,8 @@ impl Open {
     /// The families that are significant on top of `named`, the most significant first.
     pub(crate) fn loud(&self, named: &[usize]) -> Vec<(usize, Score)> {
         let Some(rest) = self.prices.given(&self.mapped(named)) else { return Vec::new() };
-        let mut loud: Vec<(usize, Score)> = (0..self.families)
-            .map(|g| (g, rest.score(g)))
-            .filter(|(_, s)| s.ln_p < self.threshold)
-            .collect();
+        let mut loud: Vec<(usize, Score)> =
+            (0..self.families).map(|g| (g, rest.score(g))).filter(|(_, s)| s.ln_p < self.threshold).collect();
         loud.sort_by(|a, b| a.1.ln_p.total_cmp(&b.1.ln_p));
         loud
     }

@@ -92,7 +92,12 @@ impl Prices {
 
     /// Log of the e-value of some groups: how much better this log is predicted by what another said of them (mean and
     /// covariance, physical) than by their absence.
-    pub(crate) fn ln_e(&self, groups: &[usize], mean: &DVector<f64>, covariance: &DMatrix<f64>) -> Option<f64> {
+    pub(crate) fn ln_e(
+        &self,
+        groups: &[usize],
+        mean: &DVector<f64>,
+        covariance: &DMatrix<f64>,
+    ) -> Option<f64> {
         let members = self.members(groups);
         let scale = DVector::from_iterator(members.len(), members.iter().map(|i| self.sigma[*i]));
         let mean = mean.component_div(&scale);
@@ -107,7 +112,8 @@ impl Prices {
         let b = self.b.select_rows(&members) + &inverse * &mean;
         let sum = Cholesky::new(&lambda + &inverse)?;
         // ln det(1 + C Lambda) = ln det(C^-1 + Lambda) + ln det C
-        let ln_det = |c: &Cholesky<f64, Dyn>| 2.0 * c.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+        let ln_det =
+            |c: &Cholesky<f64, Dyn>| 2.0 * c.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
         let det = ln_det(&sum) + ln_det(&Cholesky::new(prior)?);
         Some(0.5 * b.dot(&sum.solve(&b)) - 0.5 * mean.dot(&(&inverse * &mean)) - 0.5 * det)
     }

@@ -13,9 +13,9 @@ impl Stream {
         key[..8].copy_from_slice(&seed.to_le_bytes());
         key[8..15].copy_from_slice(b"sinscal");
         let mut generator = ChaCha8Rng::from_seed(key);
-        let hash = purpose
-            .bytes()
-            .fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3));
+        let hash = purpose.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
+        });
         generator.set_stream(hash);
         Self(generator)
     }

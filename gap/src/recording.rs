@@ -1,6 +1,8 @@
 //! What a pass of the filter did, kept so that every other filter about the same trajectory is a linear run.
 
-use calib_core::{Array, CoreVector, Filter, Residuals, Shape, StateInfo, Transition, Vector, measurement_rows};
+use calib_core::{
+    Array, CoreVector, Filter, Residuals, Shape, StateInfo, Transition, Vector, measurement_rows,
+};
 use nalgebra::Vector3;
 use sinscal::{Observer, Point, Signals, Strapdown};
 
@@ -96,7 +98,8 @@ impl Recording {
         for (i, step) in self.steps.iter().enumerate() {
             open.append(&step.rows, &step.gyro_noise, &step.accel_noise, step.elapsed);
             if i % keep == 0 {
-                let mut kept = Step { h: step.h.clone(), z: step.z.clone(), r: step.r.clone(), ..step.clone() };
+                let mut kept =
+                    Step { h: step.h.clone(), z: step.z.clone(), r: step.r.clone(), ..step.clone() };
                 (kept.rows, kept.gyro_noise, kept.accel_noise, kept.elapsed) = open.take();
                 steps.push(kept);
             }

@@ -1,7 +1,7 @@
 //! The nonlinear runs: the declared filter with chosen candidates, closed loop, relinearised, recorded.
 
 use calib_core::{Array, Block, Dynamics, Extended, Filter, Shape};
-use sinscal::{Calibration, Diverged, Sample, Setup, StateInfo, Statistics, Strapdown};
+use sinscal::{Calibration, Diverged, Sample, Setup, StateInfo, Strapdown};
 
 use crate::candidates::prior_factor;
 use crate::declaration::BaseFilter;
@@ -25,9 +25,6 @@ pub struct Log<'a> {
 #[derive(Clone, Debug)]
 pub(crate) struct Ran {
     pub(crate) recording: Recording,
-    pub(crate) statistics: Statistics,
-    /// Passes made.
-    pub(crate) passes: usize,
     /// Estimate and standard deviation of every parameter, truth.
     pub(crate) estimate: Vec<(f64, f64)>,
 }
@@ -141,8 +138,7 @@ where
             }
             if moved < SETTLED || passes >= PASSES {
                 let recording = Recording { columns, start, steps: recorder.steps, relaxing };
-                let statistics = *calibration.statistics();
-                return Ok(Ran { recording, statistics, passes, estimate: settled });
+                return Ok(Ran { recording, estimate: settled });
             }
         }
     }

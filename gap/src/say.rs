@@ -8,11 +8,11 @@ use crate::report::{Diagnosis, FoundEffect, Verdict};
 
 /// A value and its standard deviation in the unit of data sheets.
 fn value(name: &str, component: &str, unit: &str, value: f64, sigma: f64) -> String {
-    let (unit, scale) =
-        effect(name).map_or((unit, 1.0), |e| (e.sheet_unit, e.sheet_scale));
+    let (unit, scale) = effect(name).map_or((unit, 1.0), |e| (e.sheet_unit, e.sheet_scale));
     let (v, s) = (value / scale, sigma / scale);
     // two digits of the standard deviation
-    let digits = if s > 0.0 && s.is_finite() { (1.0 - s.log10().floor()).clamp(0.0, 9.0) as usize } else { 3 };
+    let digits =
+        if s > 0.0 && s.is_finite() { (1.0 - s.log10().floor()).clamp(0.0, 9.0) as usize } else { 3 };
     let component = if component.is_empty() { "value" } else { component };
     format!("{component} = {v:.digits$} +- {s:.digits$} {unit}")
 }
@@ -47,15 +47,25 @@ pub(crate) fn sentence(d: &Diagnosis, reason: Option<&str>) -> String {
         }
         Verdict::EffectsFound => found(d),
         Verdict::OutsideLibrary => {
-            let with = d.correlates_with.first().map_or(String::new(), |c| format!("; it correlates with {c}"));
-            format!("Something is missing from {}, and none of the known effects explains it{because}{with}.", d.base_filter)
+            let with =
+                d.correlates_with.first().map_or(String::new(), |c| format!("; it correlates with {c}"));
+            format!(
+                "Something is missing from {}, and none of the known effects explains it{because}{with}.",
+                d.base_filter
+            )
         }
         Verdict::Ambiguous => {
             let sets: Vec<String> = d.ambiguous.iter().map(|s| s.join(" + ")).collect();
-            format!("Something is missing from {}, but these explain it equally well: {}.", d.base_filter, sets.join("; "))
+            format!(
+                "Something is missing from {}, but these explain it equally well: {}.",
+                d.base_filter,
+                sets.join("; ")
+            )
         }
         Verdict::NotConfirmed => match d.ambiguous.first() {
-            Some(set) => format!("{} would explain this log, but is not confirmed{because}.", set.join(" + ")),
+            Some(set) => {
+                format!("{} would explain this log, but is not confirmed{because}.", set.join(" + "))
+            }
             None => format!("Nothing can be said{because}."),
         },
     }
@@ -71,7 +81,12 @@ fn found(d: &Diagnosis) -> String {
     } else {
         ("here", "on the second half of the run (no second run was given)")
     };
-    let _ = write!(text, " Log-likelihood gain {gain:.0} {here}, e-value {}{} {there}", power(least), if d.effects.len() > 1 { " or more for each" } else { "" });
+    let _ = write!(
+        text,
+        " Log-likelihood gain {gain:.0} {here}, e-value {}{} {there}",
+        power(least),
+        if d.effects.len() > 1 { " or more for each" } else { "" }
+    );
     let rejected = d
         .rivals
         .iter()

@@ -27,8 +27,7 @@ pub fn basis<F: Filter<Dynamics = Strapdown>>(
     which: core::ops::Range<usize>,
 ) -> Vec<Direction> {
     let n = F::Shape::STATES;
-    let mut vectors: Vec<Vec<f64>> =
-        which.map(|i| (0..n).map(|j| found.direction(i)[j]).collect()).collect();
+    let mut vectors: Vec<Vec<f64>> = which.map(|i| (0..n).map(|j| found.direction(i)[j]).collect()).collect();
     let mut pivots: Vec<usize> = Vec::new();
     for k in 0..vectors.len() {
         let entries = (k..vectors.len()).flat_map(|v| (0..n).map(move |j| (v, j)));

@@ -124,7 +124,8 @@ fn a_declaration_knows_its_blocks() {
 #[test]
 fn an_estimate_is_read_by_name() {
     let x: Vec<f64> = (0..6).map(f64::from).collect();
-    let p: [[f64; 6]; 6] = std::array::from_fn(|i| std::array::from_fn(|j| ((6 * i + j) * (6 * i + j)) as f64));
+    let p: [[f64; 6]; 6] =
+        std::array::from_fn(|i| std::array::from_fn(|j| ((6 * i + j) * (6 * i + j)) as f64));
     let view = LongCartView::at(Estimate { x: &x, p: &p }, 0);
     assert_eq!(view.wander().values(), [5.0]);
     assert_eq!(view.wander().sigma(0), 35.0);

@@ -65,19 +65,22 @@ impl Arguments {
             output::remark(&format!("warning: {warning}"));
         }
         let fits = run::calibrate(&log, self.passes)?;
-        let (statistics, calibrations): (Vec<_>, Vec<_>) =
-            fits.into_iter().map(|Fit { calibrated, statistics, states }| ((statistics, states), calibrated)).unzip();
+        let (statistics, calibrations): (Vec<_>, Vec<_>) = fits
+            .into_iter()
+            .map(|Fit { calibrated, statistics, states }| ((statistics, states), calibrated))
+            .unzip();
         let flown = swing.as_ref().map(|log| navigate(log, &calibrations, self.align)).transpose()?;
         let flights: &[Flight] = flown.as_ref().map_or(&[], |(flights, _)| flights);
-        let rows = calibrations.iter().zip(&statistics).enumerate().map(|(i, (calibrated, (found, states)))| Row {
-            filter: calibrated.filter,
-            states: *states,
-            nis_per_dof: found.nis_per_dof(),
-            max_horizontal_nmi: flights.get(i).map(Flight::largest),
-            final_horizontal_nmi: flights.get(i).map(Flight::last),
-            log_likelihood: found.log_likelihood,
-            updates: found.updates,
-        });
+        let rows =
+            calibrations.iter().zip(&statistics).enumerate().map(|(i, (calibrated, (found, states)))| Row {
+                filter: calibrated.filter,
+                states: *states,
+                nis_per_dof: found.nis_per_dof(),
+                max_horizontal_nmi: flights.get(i).map(Flight::largest),
+                final_horizontal_nmi: flights.get(i).map(Flight::last),
+                log_likelihood: found.log_likelihood,
+                updates: found.updates,
+            });
         let report = Report {
             filters: rows.collect(),
             passes: self.passes,
@@ -96,7 +99,9 @@ impl Arguments {
 
 fn verdict(report: &Report) -> String {
     let flown = |row: &&Row| row.max_horizontal_nmi.is_some();
-    let by_error = |a: &&Row, b: &&Row| a.max_horizontal_nmi.unwrap_or(0.0).total_cmp(&b.max_horizontal_nmi.unwrap_or(0.0));
+    let by_error = |a: &&Row, b: &&Row| {
+        a.max_horizontal_nmi.unwrap_or(0.0).total_cmp(&b.max_horizontal_nmi.unwrap_or(0.0))
+    };
     if let Some(best) = report.filters.iter().filter(flown).min_by(by_error) {
         return format!(
             "{} navigates best: at most {:.3} nautical miles in {:.2} h",

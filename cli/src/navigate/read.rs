@@ -53,7 +53,11 @@ pub(super) fn read(path: &Path) -> Result<Calibrated> {
     let filters = sinscal::FILTERS.iter().map(|filter| filter.name);
     let Some(filter) = filters.clone().find(|name| *name == document.filter) else {
         let help = suggest::hint(&document.filter, filters);
-        return Err(miette!(help = help, "{at}, field `filter`: there is no filter called {}", document.filter));
+        return Err(miette!(
+            help = help,
+            "{at}, field `filter`: there is no filter called {}",
+            document.filter
+        ));
     };
     let names = visit_filter(filter, Names).unwrap_or_default();
     let mut values = Values::new();
@@ -67,9 +71,8 @@ pub(super) fn read(path: &Path) -> Result<Calibrated> {
         }
         values.push((name, component, value));
     }
-    let missing = names
-        .iter()
-        .find(|(name, component)| !values.iter().any(|(n, c, _)| n == name && c == component));
+    let missing =
+        names.iter().find(|(name, component)| !values.iter().any(|(n, c, _)| n == name && c == component));
     if let Some((name, component)) = missing {
         return Err(miette!("{at}, field `parameters`: `{name} {component}` of {filter} is missing"));
     }

@@ -2,8 +2,8 @@
 
 use miette::{Result, miette};
 use nalgebra::Vector3;
-use sinscal::navigation::{Alignment, Drift, FreeInertial, NAUTICAL_MILE, parameters_of};
-use sinscal::{Filter, FilterVisitor, InitialAttitude, Sample, Setup, StateInfo, Strapdown, visit_filter};
+use sinscal::navigation::{Drift, NAUTICAL_MILE, Pilot, pilot};
+use sinscal::{InitialAttitude, Sample, StateInfo};
 
 use crate::broadcast::{self, Reader};
 use crate::log::Log;
@@ -48,118 +48,73 @@ impl Flight {
 pub(crate) fn navigate(log: &Log, calibrations: &[Calibrated], align: f64) -> Result<(Vec<Flight>, f64)> {
     let initial = setup::initial(log)?;
     let mut seconds = align;
-    let mut pilots = embark(log, initial, calibrations)?;
-    let extent = broadcast::broadcast(log, Some(seconds), "aligning", &mut pilots)?;
+    let mut travellers = embark(log, initial, calibrations)?;
+    let extent = broadcast::broadcast(log, Some(seconds), "aligning", &mut travellers)?;
     let read = extent.last - extent.first;
     // half a second of slack: a log may be as long as the alignment to the sample
     if read < seconds - 0.5 {
         seconds = 0.5 * read;
-        pilots = embark(log, initial, calibrations)?;
-        broadcast::broadcast(log, Some(seconds), "aligning", &mut pilots)?;
+        travellers = embark(log, initial, calibrations)?;
+        broadcast::broadcast(log, Some(seconds), "aligning", &mut travellers)?;
     }
-    for pilot in &mut pilots {
-        pilot.depart().ok_or_else(|| {
-            miette!(
+    for traveller in &mut travellers {
+        if !traveller.pilot.depart() {
+            return Err(miette!(
                 "{}: {} found no reference of position or velocity to align with in its first {seconds:.0} s",
                 log.table().display(),
-                pilot.filter()
-            )
-        })?;
+                traveller.pilot.filter()
+            ));
+        }
     }
-    broadcast::broadcast(log, None, "navigating", &mut pilots)?;
-    let flights: Vec<Flight> = pilots.into_iter().map(|pilot| pilot.arrive()).collect();
+    broadcast::broadcast(log, None, "navigating", &mut travellers)?;
+    let arrive = |traveller: Box<Traveller>| Flight {
+        filter: traveller.pilot.filter(),
+        drift: traveller.pilot.drift(),
+        track: traveller.track.points,
+    };
+    let flights: Vec<Flight> = travellers.into_iter().map(arrive).collect();
     if flights.iter().any(|flight| flight.drift.comparisons == 0) {
-        return Err(miette!(
-            "{}: no row has a reference position to compare with",
-            log.table().display()
-        ));
+        return Err(miette!("{}: no row has a reference position to compare with", log.table().display()));
     }
     Ok((flights, seconds))
 }
 
-fn embark(
-    log: &Log,
-    initial: InitialAttitude,
-    calibrations: &[Calibrated],
-) -> Result<Vec<Box<dyn Pilot>>> {
+fn embark(log: &Log, initial: InitialAttitude, calibrations: &[Calibrated]) -> Result<Vec<Box<Traveller>>> {
+    let setup = setup::of(log, initial);
     let table = log.table().display().to_string();
-    calibrations
-        .iter()
-        .map(|calibrated| {
-            let board = Board { setup: setup::of(log, initial), values: &calibrated.values, table: table.clone() };
-            visit_filter(calibrated.filter, board)
-                .ok_or_else(|| miette!("there is no filter called {}", calibrated.filter))
-        })
-        .collect()
-}
-
-/// One calibration on its way: aligns, departs, navigates, arrives.
-trait Pilot: Reader {
-    fn filter(&self) -> &'static str;
-    /// Ends the alignment; nothing when there was no update.
-    fn depart(&mut self) -> Option<()>;
-    fn arrive(self: Box<Self>) -> Flight;
-}
-
-struct Board<'a> {
-    setup: Setup<'a>,
-    values: &'a Values,
-    table: String,
-}
-
-impl FilterVisitor for Board<'_> {
-    type Output = Box<dyn Pilot>;
-
-    fn visit<F: Filter<Dynamics = Strapdown>>(self) -> Self::Output {
+    let board = |calibrated: &Calibrated| {
         let find = |info: &StateInfo| {
             let same = |(name, component, _): &&(String, String, Option<f64>)| {
                 name == info.block && component == info.component
             };
-            self.values.iter().find(same).and_then(|(_, _, value)| *value)
+            calibrated.values.iter().find(same).and_then(|(_, _, value)| *value)
         };
-        let parameters = parameters_of::<F>(&self.setup, find);
-        Box::new(Aboard::<F> {
-            alignment: Some(Alignment::new(&self.setup, &parameters)),
-            run: FreeInertial::new(&self.setup, &parameters),
-            track: Track::default(),
-            table: self.table,
-        })
-    }
+        let pilot = pilot(calibrated.filter, &setup, find)
+            .ok_or_else(|| miette!("there is no filter called {}", calibrated.filter))?;
+        Ok(Box::new(Traveller { pilot, track: Track::default(), table: table.clone() }))
+    };
+    calibrations.iter().map(board).collect()
 }
 
-struct Aboard<F: Filter<Dynamics = Strapdown>> {
-    alignment: Option<Alignment<F>>,
-    run: FreeInertial<F>,
+/// A pilot with what is remembered of its way.
+struct Traveller {
+    pilot: Box<dyn Pilot>,
     track: Track,
     table: String,
 }
 
-impl<F: Filter<Dynamics = Strapdown>> Reader for Aboard<F> {
+impl Reader for Traveller {
     fn read(&mut self, samples: &[Sample]) -> Result<()> {
         for sample in samples {
-            if let Some(alignment) = &mut self.alignment {
-                alignment.step(sample).map_err(|error| miette!("{}: {}: {error}", self.table, F::NAME))?;
-            } else if let Some(error) = self.run.step(sample) {
+            let compared = self
+                .pilot
+                .step(sample)
+                .map_err(|error| miette!("{}: {}: {error}", self.table, self.pilot.filter()))?;
+            if let Some(error) = compared {
                 self.track.push(sample.time, &error);
             }
         }
         Ok(())
-    }
-}
-
-impl<F: Filter<Dynamics = Strapdown>> Pilot for Aboard<F> {
-    fn filter(&self) -> &'static str {
-        F::NAME
-    }
-
-    fn depart(&mut self) -> Option<()> {
-        let (time, solution) = self.alignment.take()?.finish()?;
-        self.run.depart(time, solution);
-        Some(())
-    }
-
-    fn arrive(self: Box<Self>) -> Flight {
-        Flight { filter: F::NAME, drift: *self.run.drift(), track: self.track.points }
     }
 }
 

@@ -7,8 +7,8 @@ use sinscal::observability::{
     Direction, Information, Observability, Segment, Segmenter, TOLERANCE, basis, prior,
 };
 use sinscal::{
-    Calibration, Conventional, DitherSizeEffect, Filter, FilterVisitor, InitialAttitude, Shape, Sins36P, Sins39P,
-    Sins40P, Sins43P, StateInfo, Strapdown,
+    Calibration, Conventional, DitherSizeEffect, Filter, FilterVisitor, InitialAttitude, Shape, Sins36P,
+    Sins39P, Sins40P, Sins43P, StateInfo, Strapdown,
 };
 
 use crate::log::Log;

@@ -138,7 +138,16 @@ pub(super) fn table(filter: &str, analysis: &Analysis) -> String {
         "\ndegree of observability in five spans of {:.0} s, * above {EXCITED}; sigma to expect at the end\n{:28} {:>9} {:>9} \
          {:>9} {:>9} {:>9} {:>9}  {:>12} {:>12} {}",
         (analysis.spans[SPANS] - analysis.spans[0]) / SPANS as f64,
-        "state", "1", "2", "3", "4", "5", "whole", "prior sigma", "expected", "unit"
+        "state",
+        "1",
+        "2",
+        "3",
+        "4",
+        "5",
+        "whole",
+        "prior sigma",
+        "expected",
+        "unit"
     );
     let last = analysis.states.len().saturating_sub(LAST);
     for (i, state) in analysis.states.iter().enumerate() {

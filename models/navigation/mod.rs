@@ -12,15 +12,21 @@
 //! channel diverges, and compares the observed point with where the reference says it is.
 
 #[cfg(feature = "std")]
+mod pilot;
+
+#[cfg(feature = "std")]
+pub use pilot::{Pilot, pilot};
+
+#[cfg(feature = "std")]
 use calib_core::Conventional;
 use calib_core::{Filter, Shape, Vector};
 use nalgebra::{ComplexField, Vector3};
 
 use crate::compensation::Compensator;
 use crate::strapdown::{Increments, NavigationState};
-use crate::{Sample, Setup, Site, StateInfo, Strapdown};
 #[cfg(feature = "std")]
 use crate::{Calibration, Diverged, Smoother};
+use crate::{Sample, Setup, Site, StateInfo, Strapdown};
 
 /// One nautical mile, m.
 pub const NAUTICAL_MILE: f64 = 1852.0;
