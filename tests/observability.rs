@@ -11,8 +11,8 @@ use sinscal::observability::{
 };
 use sinscal::path::{EIGHTEEN_ROTATIONS, Turn, attitude};
 use sinscal::{
-    Calibration, Conventional, DitherSizeEffect, Filter, Sample, Setup, Shape, Sins43B, Sins43P, StateInfo, Strapdown,
-    earth,
+    Calibration, Conventional, DitherSizeEffect, Filter, Sample, Setup, Shape, Sins43B, Sins43P, StateInfo,
+    Strapdown, earth,
 };
 
 const DT: f64 = 0.1;
@@ -36,11 +36,8 @@ impl Path {
         let middle = self.attitude * UnitQuaternion::from_scaled_axis(rate_eb * (0.5 * DT));
         let gravity = Vector3::new(0.0, 0.0, earth::gravity(site_latitude, 20.0));
         self.time += DT;
-        let mut now = sample(
-            self.time,
-            (rate_eb + middle.inverse() * earth_n) * DT,
-            (middle.inverse() * gravity) * DT,
-        );
+        let mut now =
+            sample(self.time, (rate_eb + middle.inverse() * earth_n) * DT, (middle.inverse() * gravity) * DT);
         let warm = 15.0 * (1.0 - (-self.time / 1500.0).exp());
         now.temperature = Vector3::new(20.0 + warm, 20.6 + warm, 19.6 + warm);
         now.dither = (self.dither)(self.time);
@@ -160,14 +157,21 @@ fn rotations_about_the_vertical_leave_the_rest_unknown() {
     let lost = lost::<Sins43B>(&setup, &segments);
     assert_eq!(lost.len(), 43 - rank);
     // gravity lies along z all the time: what acts through the other two components does not act at all
-    for name in ["accel-scale x", "accel-scale y", "accel-quadratic x", "accel-misalignment xy", "accel-temperature-scale x"] {
+    for name in [
+        "accel-scale x",
+        "accel-scale y",
+        "accel-quadratic x",
+        "accel-misalignment xy",
+        "accel-temperature-scale x",
+    ] {
         assert!(lost.iter().any(|line| line == name), "{name} is not among {lost:#?}");
     }
     // nobody sees the height of the unit over the centre of rotation, and scale, bias and square of z are one number
     let pairs = [["accel-quadratic z", "accel-"], ["outer-lever-arm z", "position u"]];
     for [one, other] in pairs {
         let (block, component) = one.split_once(' ').expect("two words");
-        let together = |line: &&String| line.contains(block) && line.contains(component) && line.contains(other);
+        let together =
+            |line: &&String| line.contains(block) && line.contains(component) && line.contains(other);
         assert!(lost.iter().find(together).is_some(), "{one} and {other} are not in {lost:#?}");
     }
     // what turning about the vertical does show
@@ -203,8 +207,11 @@ fn the_triangle_has_the_rank_of_the_dense_matrix() {
     let mut rows: Vec<Vec<f64>> = Vec::new();
     let prior = prior(&Calibration::<Sins43B, Conventional>::new(&setup));
     for segment in &segments {
-        let mut powers =
-            calib_core::ObservabilityRows::<Sins43B, f64>::new(&segment.point, &segment.signals, segment.duration);
+        let mut powers = calib_core::ObservabilityRows::<Sins43B, f64>::new(
+            &segment.point,
+            &segment.signals,
+            segment.duration,
+        );
         let mut factorial = 1.0;
         for k in 0..=9 {
             if k > 0 {

@@ -1,5 +1,7 @@
 //! Finds the effect that a calibration filter lacks.
 
+#[cfg(feature = "blind")]
+pub mod blind;
 mod candidates;
 mod chi2;
 mod decide;

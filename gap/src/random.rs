@@ -23,4 +23,11 @@ impl Stream {
     pub(crate) fn normal(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
     }
+
+    /// A whole number below `n`.
+    #[cfg(feature = "blind")]
+    pub(crate) fn below(&mut self, n: usize) -> usize {
+        use rand::RngExt;
+        self.0.random_range(0..n)
+    }
 }

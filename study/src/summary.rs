@@ -1,0 +1,169 @@
+//! Statistics over units.
+
+use serde::Serialize;
+
+use crate::statistics::{chi_square_band, coverage, mean, median, percentile, ratio_of_medians, rms};
+use crate::{FilterResult, UnitResult};
+
+/// What many units say together.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// Number of units.
+    pub units: usize,
+    /// By filter, in the order of the plan.
+    pub filters: Vec<FilterSummary>,
+    /// Names of the filters, smallest median of the largest horizontal error first; empty without navigation.
+    pub order: Vec<String>,
+}
+
+/// One filter over all units.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FilterSummary {
+    /// Name of the filter.
+    pub filter: String,
+    /// Mean normalised innovation squared per scalar measurement.
+    pub nis_per_dof: f64,
+    /// Mean normalised estimation error squared per parameter.
+    pub nees_per_dof: f64,
+    /// Where that lies in 99 % of such campaigns if the filter knows its errors.
+    pub nees_band_99: [f64; 2],
+    /// Whether it does.
+    pub consistent: bool,
+    /// Largest horizontal error of each unit, m.
+    pub max_horizontal_m: Option<Percentiles>,
+    /// Horizontal error at the end, m.
+    pub final_horizontal_m: Option<Percentiles>,
+    /// Median of the largest horizontal error against that of the first filter.
+    pub ratio_to_first: Option<f64>,
+    /// Its 95 % confidence interval.
+    pub ratio_interval_95: Option<[f64; 2]>,
+    /// Part of the units for which this filter navigates best.
+    pub best: Option<f64>,
+    /// By parameter.
+    pub parameters: Vec<ParameterSummary>,
+}
+
+/// Percentiles over units.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[allow(missing_docs, reason = "the names say it")]
+pub struct Percentiles {
+    pub p05: f64,
+    pub p25: f64,
+    pub p50: f64,
+    pub p75: f64,
+    pub p95: f64,
+}
+
+/// One parameter of a filter over all units, SI.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ParameterSummary {
+    /// Name of the effect.
+    pub name: String,
+    /// Component.
+    pub component: String,
+    /// Mean error.
+    pub bias: f64,
+    /// Root mean square error.
+    pub rms: f64,
+    /// Root mean square of what the filter says of its error.
+    pub sigma: f64,
+    /// Mean square of error over sigma.
+    pub nees: f64,
+    /// Part of the units within one, two and three sigma.
+    pub coverage: [f64; 3],
+    /// Median of the times of convergence, s.
+    pub converged_s: f64,
+}
+
+impl Summary {
+    /// Summarises units, whatever their order.
+    pub fn new(results: &[UnitResult]) -> Self {
+        let mut results: Vec<&UnitResult> = results.iter().collect();
+        results.sort_by_key(|result| result.unit);
+        let width = results.first().map_or(0, |result| result.filters.len());
+        let of = |f: usize| results.iter().filter_map(|result| result.filters.get(f)).collect::<Vec<_>>();
+        let first: Vec<f64> = largest(&of(0));
+        let best = |f: usize| {
+            let wins = results.iter().filter(|result| {
+                let error = |g: usize| result.filters[g].max_horizontal_m.unwrap_or(f64::INFINITY);
+                (0..width).all(|g| g == f || error(f) < error(g))
+            });
+            wins.count() as f64 / results.len() as f64
+        };
+        let filters: Vec<FilterSummary> = (0..width)
+            .map(|f| {
+                let mut summary = FilterSummary::new(&of(f));
+                let errors = largest(&of(f));
+                if !errors.is_empty() {
+                    let (ratio, interval) = ratio_of_medians(&errors, &first);
+                    summary.ratio_to_first = Some(ratio);
+                    summary.ratio_interval_95 = Some(interval);
+                    summary.best = Some(best(f));
+                }
+                summary
+            })
+            .collect();
+        let mut order: Vec<(f64, String)> = filters
+            .iter()
+            .filter_map(|filter| Some((filter.max_horizontal_m?.p50, filter.filter.clone())))
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Self { units: results.len(), filters, order: order.into_iter().map(|(_, name)| name).collect() }
+    }
+}
+
+fn largest(results: &[&FilterResult]) -> Vec<f64> {
+    results.iter().filter_map(|result| result.max_horizontal_m).collect()
+}
+
+impl FilterSummary {
+    fn new(results: &[&FilterResult]) -> Self {
+        let total: usize = results.iter().map(|result| result.degrees_of_freedom).sum();
+        let nees_per_dof = results.iter().map(|result| result.nees).sum::<f64>() / total as f64;
+        let band = chi_square_band(total, 0.99).unwrap_or((f64::NAN, f64::NAN));
+        let nis: Vec<f64> = results.iter().map(|result| result.nis_per_dof).collect();
+        let finals: Vec<f64> = results.iter().filter_map(|result| result.final_horizontal_m).collect();
+        let parameters = results.first().map_or(0, |result| result.parameters.len());
+        Self {
+            filter: results.first().map_or_else(String::new, |result| result.filter.clone()),
+            nis_per_dof: mean(&nis),
+            nees_per_dof,
+            nees_band_99: [band.0, band.1],
+            consistent: (band.0..=band.1).contains(&nees_per_dof),
+            max_horizontal_m: Percentiles::new(&largest(results)),
+            final_horizontal_m: Percentiles::new(&finals),
+            ratio_to_first: None,
+            ratio_interval_95: None,
+            best: None,
+            parameters: (0..parameters).map(|i| ParameterSummary::new(results, i)).collect(),
+        }
+    }
+}
+
+impl Percentiles {
+    fn new(values: &[f64]) -> Option<Self> {
+        let at = |p| percentile(values, p);
+        (!values.is_empty()).then(|| Self { p05: at(0.05), p25: at(0.25), p50: at(0.5), p75: at(0.75), p95: at(0.95) })
+    }
+}
+
+impl ParameterSummary {
+    fn new(results: &[&FilterResult], i: usize) -> Self {
+        let all: Vec<_> = results.iter().filter_map(|result| result.parameters.get(i)).collect();
+        let errors: Vec<f64> = all.iter().map(|parameter| parameter.value - parameter.truth).collect();
+        let sigmas: Vec<f64> = all.iter().map(|parameter| parameter.sigma).collect();
+        let scaled: Vec<f64> = errors.iter().zip(&sigmas).map(|(error, sigma)| error / sigma).collect();
+        let converged: Vec<f64> = all.iter().map(|parameter| parameter.converged_s).collect();
+        let named = |text: fn(&crate::ParameterResult) -> &String| all.first().map_or_else(String::new, |p| text(p).clone());
+        Self {
+            name: named(|parameter| &parameter.name),
+            component: named(|parameter| &parameter.component),
+            bias: mean(&errors),
+            rms: rms(&errors),
+            sigma: rms(&sigmas),
+            nees: rms(&scaled).powi(2),
+            coverage: [1.0, 2.0, 3.0].map(|limit| coverage(&scaled, limit)),
+            converged_s: median(&converged),
+        }
+    }
+}
