@@ -100,7 +100,9 @@ impl core::error::Error for Diverged {}
 /// rate the covariance moves, the residuals `computed - reference` update it, and the navigation errors are fed back.
 /// In the first pass the parameters are fed back too. A further pass ([`begin_pass`](Self::begin_pass)) linearises about
 /// the parameters found, held fixed, and estimates the rest that remains: iterated to the end this is the
-/// maximum of the posterior, prior included, whatever the number of passes.
+/// maximum of the posterior, prior included, whatever the number of passes. What steers the navigation in such a pass is
+/// not the filter, which begins as ignorant as in the first and would take the initial tilt for accelerometer biases once
+/// more, but a second one that takes the parameters for known.
 pub struct Calibration<F: Filter<Dynamics = Strapdown>, C: Form = Conventional> {
     kalman: Kalman<F, f64, C>,
     transition: Transition<F, f64>,
@@ -108,7 +110,8 @@ pub struct Calibration<F: Filter<Dynamics = Strapdown>, C: Form = Conventional> 
     parameters: Vector<F, f64>,
     prior: Vector<F, f64>,
     lever_at: Option<usize>,
-    hold_parameters: bool,
+    /// Steers the navigation of a further pass: the same filter without any doubt of the parameters.
+    pilot: Option<Kalman<F, f64, C>>,
     compensator: Compensator,
     navigation: NavigationState<f64>,
     previous: Increments<f64>,
@@ -204,7 +207,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             parameters: F::Shape::vector(0.0),
             prior,
             lever_at,
-            hold_parameters: false,
+            pilot: None,
             compensator: Compensator::new(setup.reference_temperature),
             navigation: NavigationState::at_rest(&setup.site, setup.initial.attitude),
             previous: Increments::zero(),
@@ -232,7 +235,11 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             // a parameter state is truth - estimate, and the prior's mean of the truth is zero
             self.kalman.x_mut()[i] = -self.parameters[i];
         }
-        self.hold_parameters = true;
+        let mut known = self.prior.clone();
+        for i in F::Shape::CORE..F::Shape::STATES {
+            known[i] = 0.0;
+        }
+        self.pilot = Some(Kalman::new(&known));
         self.transition.reset();
         self.compensator = Compensator::new(self.setup.reference_temperature);
         self.navigation = NavigationState::at_rest(&self.setup.site, self.setup.initial.attitude);
@@ -253,6 +260,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         for i in F::Shape::CORE..F::Shape::STATES {
             self.kalman.x_mut()[i] = 0.0;
         }
+        self.pilot = None;
     }
 
     /// Takes in the next sample. Returns what the update found where there was one.
@@ -353,6 +361,9 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         F::relaxation(&mut |state, relaxation| {
             self.parameters[state] *= Fade::over(relaxation, state, elapsed).keep;
         });
+        if let Some(pilot) = &mut self.pilot {
+            pilot.predict(&self.transition, &self.density);
+        }
         self.transition.reset();
         self.feed_back(false, observer);
     }
@@ -370,8 +381,11 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         }
         observer.measured(sample.time, &at, signals, &residuals);
         let before = self.kalman.x().clone();
-        let found =
-            self.kalman.update(&at, signals, residuals, None).map_err(|_| Diverged { time: sample.time })?;
+        let diverged = |_| Diverged { time: sample.time };
+        if let Some(pilot) = &mut self.pilot {
+            pilot.update(&at, signals, residuals.clone(), None).map_err(diverged)?;
+        }
+        let found = self.kalman.update(&at, signals, residuals, None).map_err(diverged)?;
         if !found.nis.is_finite() {
             return Err(Diverged { time: sample.time });
         }
@@ -379,8 +393,8 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         for i in 0..F::Shape::STATES {
             change[i] -= before[i];
         }
-        self.feed_back(!self.hold_parameters, observer);
-        observer.updated(&Updated { time: sample.time, change: &change, navigation: &self.navigation });
+        self.feed_back(self.pilot.is_none(), observer);
+        observer.updated(&Updated { time: sample.time, change: &change, navigation: &self.navigation() });
         // half a sample of slack, so that rounding of the time stamps does not skip a reading
         self.next_update = sample.time + 1.0 / self.setup.update_rate - 0.5 / self.setup.rate;
         self.statistics.updates += 1;
@@ -428,14 +442,19 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         residuals
     }
 
-    /// Puts the estimated navigation errors into the navigation solution, and if asked the parameters into theirs.
+    /// Puts the estimated navigation errors into the navigation solution, those of the pilot if there is one, and if
+    /// asked the parameters into theirs.
     fn feed_back(&mut self, parameters: bool, observer: &mut impl Observer<F>) {
         let mut correction = F::Shape::vector(0.0);
         let last = if parameters { F::Shape::STATES } else { F::Shape::CORE };
-        let x = self.kalman.x_mut();
+        let steering = self.pilot.as_ref().unwrap_or(&self.kalman);
         for i in 0..last {
-            correction[i] = x[i];
-            x[i] = 0.0;
+            correction[i] = steering.x()[i];
+        }
+        for filter in [Some(&mut self.kalman), self.pilot.as_mut()].into_iter().flatten() {
+            for i in 0..last {
+                filter.x_mut()[i] -= correction[i];
+            }
         }
         let part =
             |first: usize| Vector3::new(correction[first], correction[first + 1], correction[first + 2]);
@@ -520,19 +539,23 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         self.kalman.covariance()
     }
 
-    /// The navigation solution at the last sample.
-    pub fn navigation(&self) -> &NavigationState<f64> {
-        &self.navigation
+    /// The navigation solution at the last sample, with all that the filter knows.
+    pub fn navigation(&self) -> NavigationState<f64> {
+        let x = self.kalman.x();
+        let part = |first: usize| Vector3::new(x[first], x[first + 1], x[first + 2]);
+        let mut navigation = self.navigation;
+        navigation.correct(&part(0), &part(3), &part(6));
+        navigation
     }
 
     /// Position of the IMU from the site origin in n at the last sample, m.
     pub fn position(&self) -> Vector3<f64> {
-        self.navigation.position(&self.setup.site)
+        self.navigation().position(&self.setup.site)
     }
 
     /// Attitude at the last sample.
     pub fn attitude(&self) -> UnitQuaternion<f64> {
-        self.navigation.attitude
+        self.navigation().attitude
     }
 
     /// Sums over the updates of this pass.

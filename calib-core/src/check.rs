@@ -11,7 +11,7 @@
 //!     }
 //! }
 //!
-//! let x = [0.3, -0.2];
+//! let x = [0.3_f64, -0.2];
 //! let by_hand = [[0.0, 1.0], [-x[0].cos(), 0.0]];
 //! compare(&by_hand, &dual_jacobian(&Pendulum, &x), 1e-14)?;
 //! compare(&by_hand, &central_jacobian(|x| Pendulum.value(x), &x, &[1e-3; 2]), 1e-9)?;

@@ -26,6 +26,12 @@ impl<F: Filter, T: Real> Default for Residuals<F, T> {
     }
 }
 
+impl<F: Filter, T: Real> Clone for Residuals<F, T> {
+    fn clone(&self) -> Self {
+        Self { z: self.z.clone(), r: self.r.clone(), present: self.present.clone() }
+    }
+}
+
 impl<F: Filter, T: Real> Residuals<F, T> {
     /// Sets `channel` of the dynamics to a residual `computed - measured` with the standard deviation of the measurement.
     /// A channel that the filter does not measure is passed over.

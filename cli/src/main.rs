@@ -6,6 +6,7 @@
 mod ablate;
 mod broadcast;
 mod calibrate;
+mod campaign;
 mod demo;
 mod effects;
 mod figures;
@@ -39,6 +40,7 @@ enum Command {
     Ablate(ablate::Arguments),
     Observe(observe::Arguments),
     Navigate(navigate::Arguments),
+    Campaign(campaign::Arguments),
     Filters(filters::Arguments),
     Effects(effects::Arguments),
 }
@@ -60,6 +62,7 @@ fn main() -> ExitCode {
         Command::Ablate(arguments) => arguments.run(),
         Command::Observe(arguments) => arguments.run(),
         Command::Navigate(arguments) => arguments.run(),
+        Command::Campaign(arguments) => arguments.run(),
         Command::Filters(arguments) => arguments.run(),
         Command::Effects(arguments) => arguments.run(),
     };

@@ -214,12 +214,12 @@ fn judge(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
             return;
         }
     }
-    if let Some(family) = open.and_then(|o| o.rivals(&best.groups).first().map(|g| &o.prices.groups[*g].name))
-    {
-        decision.verdict = Verdict::OutsideLibrary;
-        decision.reason = Some(format!("{family}, which is no known effect, explains the data as well"));
-        decision.correlates =
-            open.map_or(Vec::new(), |o| o.rivals(&decision.best.groups).into_iter().take(5).collect());
+    let families = unresolved(second, open, decision);
+    if let (Some(open), Some((family, ahead))) = (open, families.first()) {
+        let name = &open.prices.groups[*family].name;
+        decision.reason = Some(format!("{name}, which is no known effect, explains the data as well"));
+        decision.correlates = families.iter().map(|f| f.0).collect();
+        decision.verdict = if *ahead > MARGIN { Verdict::OutsideLibrary } else { Verdict::Ambiguous };
         return;
     }
     if !decision.rivals.is_empty() {
@@ -245,6 +245,20 @@ fn judge(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
         decision.verdict = Verdict::NotConfirmed;
         decision.reason = Some(format!("{} has another value in the second log", name(i)));
     }
+}
+
+/// Families of the dictionary that explain the data as well as the set, the second log included.
+fn unresolved(second: Option<&Scene>, open: Option<&Open>, decision: &Decision) -> Vec<(usize, f64)> {
+    let Some(open) = open else { return Vec::new() };
+    let named = &decision.best.groups;
+    let mut families = open.rivals(named, None);
+    if !families.is_empty()
+        && let (Some(second), Some(v)) = (second, &decision.verification)
+        && let Some(there) = Open::prices(second)
+    {
+        families = open.rivals(named, Some((&there, v.ln_e)));
+    }
+    families
 }
 
 /// Whether every member of the set outweighs what remains, in both logs.

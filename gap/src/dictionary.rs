@@ -103,6 +103,8 @@ pub(crate) struct Dictionary<'a> {
     pub(crate) sigma: Vec<f64>,
     /// Unit of each group's values.
     pub(crate) units: Vec<String>,
+    /// Root mean square of each column's feature, by which it is divided.
+    pub(crate) rms: Vec<f64>,
     /// Recorded columns priced after the families.
     library: &'a [usize],
 }
@@ -111,7 +113,7 @@ impl<'a> Dictionary<'a> {
     /// Families for a recording, and the recorded columns `library` after them.
     pub(crate) fn new(recording: &Recording, library: &'a [usize]) -> Self {
         let mut new =
-            Self { entries: Vec::new(), groups: Vec::new(), sigma: Vec::new(), units: Vec::new(), library };
+            Self { entries: Vec::new(), groups: Vec::new(), sigma: Vec::new(), units: Vec::new(), rms: Vec::new(), library };
         for (triad, bias, families) in [("accelerometer", "accel-bias", ACCEL), ("gyro", "gyro-bias", GYRO)] {
             let columns: Vec<usize> = (0..recording.columns.len())
                 .filter(|c| recording.columns[*c].info.block == bias && recording.columns[*c].prior > 0.0)
@@ -135,8 +137,8 @@ impl<'a> Dictionary<'a> {
         unit: &str,
         feature: Feature,
     ) {
-        let mut members = Vec::new();
-        for (i, &column) in columns.iter().enumerate() {
+        let mut axes = Vec::new();
+        for i in 0..3 {
             let mut value = along(recording, |m| feature(m, i, (i + 1) % 3, (i + 2) % 3));
             let rms = (value.iter().map(|v| v * v).sum::<f64>() / value.len().max(1) as f64).sqrt();
             if rms.is_nan() || rms < 1e-12 {
@@ -145,9 +147,14 @@ impl<'a> Dictionary<'a> {
             for v in &mut value {
                 *v /= rms;
             }
+            axes.push((value, rms));
+        }
+        let mut members = Vec::new();
+        for ((value, rms), &column) in axes.into_iter().zip(columns) {
             members.push(self.entries.len());
             self.entries.push(Entry { column, value });
             self.sigma.push(SIZE * recording.columns[column].prior);
+            self.rms.push(rms);
         }
         self.groups.push(Group { name: format!("{name} in the {triad}s"), members });
         self.units.push(format!("({})/({unit})", recording.columns[columns[0]].info.unit));

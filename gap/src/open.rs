@@ -2,9 +2,11 @@
 
 use crate::dictionary::Dictionary;
 use crate::linear::run;
+use crate::name::MARGIN;
 use crate::prices::{Prices, Score, groups_of};
 use crate::scene::Scene;
 use crate::threshold;
+use crate::verify::WIDENED;
 
 /// Families and library priced together.
 pub(crate) struct Open {
@@ -14,11 +16,21 @@ pub(crate) struct Open {
     pub(crate) units: Vec<String>,
     /// What a family must fall below on its own.
     pub(crate) threshold: f64,
+    rms: Vec<f64>,
     updates: usize,
 }
 
 impl Open {
+    /// With the threshold that is exceeded with probability `rate` when nothing is missing.
     pub(crate) fn new(scene: &Scene, rate: f64, seed: u64) -> Option<Self> {
+        let mut new = Self::prices(scene)?;
+        let own: Vec<usize> = (0..new.families).collect();
+        new.threshold = threshold::simulate(&new.prices, &own, rate, seed, "dictionary");
+        Some(new)
+    }
+
+    /// Without a threshold.
+    pub(crate) fn prices(scene: &Scene) -> Option<Self> {
         let recording = &scene.ran.recording;
         let library = recording.candidates();
         let dictionary = Dictionary::new(recording, &library);
@@ -37,9 +49,14 @@ impl Open {
             groups.push(group);
         }
         let prices = Prices::new(&found.gram, sigma, groups);
-        let own: Vec<usize> = (0..families).collect();
-        let threshold = threshold::simulate(&prices, &own, rate, seed, "dictionary");
-        Some(Self { prices, families, units: dictionary.units, threshold, updates: recording.updates() })
+        Some(Self {
+            prices,
+            families,
+            units: dictionary.units,
+            threshold: f64::NEG_INFINITY,
+            rms: dictionary.rms,
+            updates: recording.updates(),
+        })
     }
 
     /// Groups of the library by the numbers they have in the scene.
@@ -78,26 +95,63 @@ impl Open {
         mapped.iter().map(|m| gain_of(*m, true) / gain_of(*m, false).max(1e-9)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Families that explain what `named` explains: within 10 of its BIC, and leaving nothing for it to add.
-    pub(crate) fn rivals(&self, named: &[usize]) -> Vec<usize> {
-        let mapped = self.mapped(named);
-        let bic = |groups: &[usize]| {
-            let parameters = self.prices.members(groups).len() as f64;
-            self.fit(groups) - parameters * (self.updates as f64).ln()
-        };
+    /// Half the Bayesian information criterion of some groups, the larger the better.
+    fn evidence(&self, groups: &[usize]) -> f64 {
+        0.5 * (self.fit(groups) - self.prices.members(groups).len() as f64 * (self.updates as f64).ln())
+    }
+
+    /// Families that explain what `named` explains: within 10 of its BIC, and leaving nothing for it to add; each with how far
+    /// its evidence is ahead. With another log, what that says counts too: `ln_e` is what it says of `named`.
+    pub(crate) fn rivals(&self, named: &[usize], other: Option<(&Self, f64)>) -> Vec<(usize, f64)> {
         if named.is_empty() {
             return Vec::new();
         }
-        let theirs = bic(&mapped);
-        (0..self.families)
-            .filter(|&g| {
-                if bic(&[g]) < theirs - 10.0 {
-                    return false;
+        let mapped = self.mapped(named);
+        let theirs = self.evidence(&mapped);
+        let mut rivals: Vec<(usize, f64)> = (0..self.families)
+            .filter_map(|g| {
+                let mut ahead = self.evidence(&[g]) - theirs;
+                if ahead < -5.0 {
+                    return None;
                 }
-                let Some(rest) = self.prices.given(&[g]) else { return false };
-                mapped.iter().all(|n| rest.score(*n).ln_p > self.threshold)
+                if let Some((other, ln_e)) = other {
+                    ahead += self.carried(g, other) - ln_e;
+                    if ahead < -MARGIN {
+                        return None;
+                    }
+                }
+                let rest = self.prices.given(&[g])?;
+                mapped.iter().all(|n| rest.score(*n).ln_p > self.threshold).then_some((g, ahead))
             })
-            .collect()
+            .collect();
+        rivals.sort_by(|a, b| b.1.total_cmp(&a.1));
+        rivals.truncate(5);
+        rivals
+    }
+
+    /// Log of the e-value of family `g` on another log. What happened once, at its time, says nothing about another log.
+    fn carried(&self, g: usize, other: &Self) -> f64 {
+        let group = &self.prices.groups[g];
+        if group.name.starts_with("step") {
+            return 0.0;
+        }
+        let Some(there) = other.prices.groups[..other.families].iter().position(|o| o.name == group.name) else {
+            return 0.0;
+        };
+        let Some((mut mean, mut covariance)) = self.prices.posterior(&[g]) else { return 0.0 };
+        let scale: Vec<f64> = group
+            .members
+            .iter()
+            .zip(&other.prices.groups[there].members)
+            .map(|(a, b)| other.rms[*b] / self.rms[*a])
+            .collect();
+        for i in 0..scale.len() {
+            mean[i] *= scale[i];
+            for j in 0..scale.len() {
+                covariance[(i, j)] *= WIDENED * scale[i] * scale[j];
+            }
+        }
+        other.prices.ln_e(&[there], &mean, &covariance).unwrap_or(0.0)
     }
 
     /// Twice the gain in likelihood of the best fit of some groups.

@@ -87,59 +87,68 @@ where
 
     fn run(&self, log: &Log, takes: &(dyn Fn(&str) -> bool + Sync)) -> Result<Ran, Diverged> {
         let own = F::Shape::STATES;
-        let mut columns: Vec<Column> = Vec::new();
-        let prior = |state: usize, info: &StateInfo, sigma: f64| {
-            if state < own {
-                sigma
-            } else if self.has(info.block) || !takes(info.block) {
+        if !blocks::<B>().into_iter().any(takes) {
+            return drive::<F>(log, own, &|_, sigma| sigma);
+        }
+        drive::<Extended<F, B, K>>(log, own, &|info, sigma| {
+            if self.has(info.block) || !takes(info.block) {
                 0.0
             } else {
                 sigma * prior_factor(log.setup, info.block)
             }
-        };
-        let mut calibration =
-            Calibration::<Extended<F, B, K>>::with_prior(log.setup, |state, info, sigma| {
-                let sigma = prior(state, info, sigma);
-                if state >= CORE {
-                    columns.push(Column { info: *info, prior: sigma, base: state < own, about: 0.0 });
-                }
-                sigma
-            });
-        let covariance = calibration.covariance();
-        let start = core::array::from_fn(|i| covariance[i][i].sqrt());
-        let mut relaxing = Vec::new();
-        Extended::<F, B, K>::relaxation(&mut |state, r: calib_core::Relaxation<f64>| {
-            relaxing.push((state - CORE, r.rate, r.density));
-        });
-        for sample in log.samples {
-            calibration.step(sample)?;
+        })
+    }
+}
+
+/// Runs filter `G`, of whose states the first `own` are the declared filter's, until it has settled; `prior` adjusts the
+/// priors of the others.
+fn drive<G: Filter<Dynamics = Strapdown>>(
+    log: &Log,
+    own: usize,
+    prior: &dyn Fn(&StateInfo, f64) -> f64,
+) -> Result<Ran, Diverged> {
+    let mut columns: Vec<Column> = Vec::new();
+    let mut calibration = Calibration::<G>::with_prior(log.setup, |state, info, sigma| {
+        let sigma = if state < own { sigma } else { prior(info, sigma) };
+        if state >= CORE {
+            columns.push(Column { info: *info, prior: sigma, base: state < own, about: 0.0 });
         }
-        let mut passes = 1;
-        loop {
-            let about = calibration.estimate();
-            calibration.begin_pass();
-            let mut recorder = Recorder::<Extended<F, B, K>>::new();
-            for sample in log.samples {
-                calibration.step_observed(sample, &mut recorder)?;
+        sigma
+    });
+    let covariance = calibration.covariance();
+    let start = core::array::from_fn(|i| covariance[i][i].sqrt());
+    let mut relaxing = Vec::new();
+    G::relaxation(&mut |state, r: calib_core::Relaxation<f64>| {
+        relaxing.push((state - CORE, r.rate, r.density));
+    });
+    for sample in log.samples {
+        calibration.step(sample)?;
+    }
+    let mut passes = 1;
+    loop {
+        let about = calibration.estimate();
+        calibration.begin_pass();
+        let mut recorder = Recorder::<G>::new();
+        for sample in log.samples {
+            calibration.step_observed(sample, &mut recorder)?;
+        }
+        passes += 1;
+        let estimate = calibration.estimate();
+        let covariance = calibration.covariance();
+        let mut moved: f64 = 0.0;
+        let mut settled = Vec::with_capacity(columns.len());
+        for (i, column) in columns.iter_mut().enumerate() {
+            let state = CORE + i;
+            column.about = about[state];
+            let sigma = covariance[state][state].max(0.0).sqrt();
+            if sigma > 0.0 {
+                moved = moved.max((estimate[state] - about[state]).abs() / sigma);
             }
-            passes += 1;
-            let estimate = calibration.estimate();
-            let covariance = calibration.covariance();
-            let mut moved: f64 = 0.0;
-            let mut settled = Vec::with_capacity(columns.len());
-            for (i, column) in columns.iter_mut().enumerate() {
-                let state = CORE + i;
-                column.about = about[state];
-                let sigma = covariance[state][state].max(0.0).sqrt();
-                if sigma > 0.0 {
-                    moved = moved.max((estimate[state] - about[state]).abs() / sigma);
-                }
-                settled.push((estimate.as_slice()[state], sigma));
-            }
-            if moved < SETTLED || passes >= PASSES {
-                let recording = Recording { columns, start, steps: recorder.steps, relaxing };
-                return Ok(Ran { recording, estimate: settled });
-            }
+            settled.push((estimate.as_slice()[state], sigma));
+        }
+        if moved < SETTLED || passes >= PASSES {
+            let recording = Recording { columns, start, steps: recorder.steps, relaxing };
+            return Ok(Ran { recording, estimate: settled });
         }
     }
 }

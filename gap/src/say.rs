@@ -56,11 +56,8 @@ pub(crate) fn sentence(d: &Diagnosis, reason: Option<&str>) -> String {
         }
         Verdict::Ambiguous => {
             let sets: Vec<String> = d.ambiguous.iter().map(|s| s.join(" + ")).collect();
-            format!(
-                "Something is missing from {}, but these explain it equally well: {}.",
-                d.base_filter,
-                sets.join("; ")
-            )
+            let (verb, what) = if sets.len() > 1 { ("explain", "equally well") } else { ("explains", "but not alone") };
+            format!("Something is missing from {}; {} {verb} it {what}{because}.", d.base_filter, sets.join(" or "))
         }
         Verdict::NotConfirmed => match d.ambiguous.first() {
             Some(set) => {

@@ -6,7 +6,7 @@ use crate::prices::{Prices, Score};
 use crate::scene::Scene;
 
 /// Covariances carried to another log are widened by this factor: a unit is not quite the same on another day.
-const WIDENED: f64 = 9.0;
+pub(crate) const WIDENED: f64 = 9.0;
 /// Estimates may differ by so many standard deviations per component...
 const APART: f64 = 5.0;
 /// ...or by this fraction of themselves.

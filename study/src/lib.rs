@@ -14,4 +14,4 @@ mod unit;
 
 pub use plan::{Plan, Trouble};
 pub use summary::{FilterSummary, ParameterSummary, Percentiles, Summary};
-pub use unit::{FilterResult, ParameterResult, UnitResult};
+pub use unit::{FilterResult, ParameterResult, UnitResult, Watch};

@@ -1,6 +1,6 @@
 //! One unit through the experiment.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 use rig::{Simulation, Truth};
 use serde::{Deserialize, Serialize};
 use sinscal::navigation::{Pilot, pilot};
@@ -61,31 +61,60 @@ pub struct ParameterResult {
     pub converged_s: f64,
 }
 
+/// Is told how things go, for figures. Every method does nothing by default.
+pub trait Watch {
+    /// Estimates and sigmas of a filter's parameters at a time of its last pass, s, at most every ten seconds.
+    fn estimates(&mut self, filter: &str, time: f64, parameters: &[(f64, f64)]) {
+        let _ = (filter, time, parameters);
+    }
+
+    /// Error of position in free-inertial navigation with a filter's calibration, m, at most every second.
+    fn error(&mut self, filter: &str, time: f64, error: &Vector3<f64>) {
+        let _ = (filter, time, error);
+    }
+}
+
+/// Nobody watches.
+impl Watch for () {}
+
 impl Plan {
-    /// Puts unit `unit` through the experiment.
+    /// [`unit`](Self::unit) with somebody watching.
     ///
     /// # Errors
-    /// When the scenario cannot be simulated, a filter is unknown or diverges.
-    pub fn unit(&self, unit: u64) -> Result<UnitResult, Trouble> {
+    /// As there.
+    pub fn unit_watched(&self, unit: u64, watch: &mut dyn Watch) -> Result<UnitResult, Trouble> {
         let simulation = Simulation::new(&self.scenario, unit)?;
         let description = simulation.description().clone();
         let truth = simulation.truth().clone();
         let samples: Vec<Sample> = simulation.collect();
         let mut filters = Vec::new();
         for name in &self.filters {
-            let calibrate =
-                Calibrate { samples: &samples, setup: description.setup(&[]), truth: &truth, plan: self };
+            let setup = description.setup(&[]);
+            let calibrate = Calibrate { samples: &samples, setup, truth: &truth, plan: self, watch: &mut *watch };
             let result = visit_filter(name, calibrate).ok_or_else(|| Trouble::Filter(name.clone()))?;
             filters.push(result.map_err(|error| Trouble::Diverged { unit, filter: name.clone(), error })?);
         }
         drop(samples);
         if self.hours > 0.0 {
-            self.navigate(unit, &mut filters)?;
+            self.navigate(unit, &mut filters, watch)?;
         }
         Ok(UnitResult { unit, filters })
     }
 
-    fn navigate(&self, unit: u64, filters: &mut [FilterResult]) -> Result<(), Trouble> {
+    /// Puts unit `unit` through the experiment.
+    ///
+    /// # Errors
+    /// When the scenario cannot be simulated, a filter is unknown or diverges.
+    pub fn unit(&self, unit: u64) -> Result<UnitResult, Trouble> {
+        self.unit_watched(unit, &mut ())
+    }
+
+    fn navigate(
+        &self,
+        unit: u64,
+        filters: &mut [FilterResult],
+        watch: &mut dyn Watch,
+    ) -> Result<(), Trouble> {
         let simulation = Simulation::new(&self.swing(), unit)?;
         let description = simulation.description().clone();
         let setup = description.setup(&[]);
@@ -99,13 +128,13 @@ impl Plan {
         }
         let until = self.alignment.min(0.5 * self.hours * 3600.0);
         for sample in simulation.clone().take_while(|sample| sample.time <= until) {
-            step(unit, &mut pilots, &sample)?;
+            step(unit, &mut pilots, &sample, watch)?;
         }
         for pilot in &mut pilots {
             pilot.depart();
         }
         for sample in simulation {
-            step(unit, &mut pilots, &sample)?;
+            step(unit, &mut pilots, &sample, watch)?;
         }
         for (result, pilot) in filters.iter_mut().zip(&pilots) {
             result.max_horizontal_m = Some(pilot.drift().largest);
@@ -115,11 +144,14 @@ impl Plan {
     }
 }
 
-fn step(unit: u64, pilots: &mut [Box<dyn Pilot>], sample: &Sample) -> Result<(), Trouble> {
+fn step(unit: u64, pilots: &mut [Box<dyn Pilot>], sample: &Sample, watch: &mut dyn Watch) -> Result<(), Trouble> {
     for pilot in pilots {
-        pilot
+        let compared = pilot
             .step(sample)
             .map_err(|error| Trouble::Diverged { unit, filter: pilot.filter().to_owned(), error })?;
+        if let Some(error) = compared {
+            watch.error(pilot.filter(), sample.time, &error);
+        }
     }
     Ok(())
 }
@@ -129,6 +161,7 @@ struct Calibrate<'a> {
     setup: Setup<'a>,
     truth: &'a Truth,
     plan: &'a Plan,
+    watch: &'a mut dyn Watch,
 }
 
 impl FilterVisitor for Calibrate<'_> {
@@ -137,7 +170,8 @@ impl FilterVisitor for Calibrate<'_> {
     fn visit<F: Filter<Dynamics = Strapdown>>(self) -> Self::Output {
         let mut run = Box::new(Calibration::<F, Conventional>::new(&self.setup));
         let mut sigmas: Vec<(f64, Vec<f64>)> = Vec::new();
-        for pass in 0..self.plan.passes.max(1) {
+        let passes = self.plan.passes.max(1);
+        for pass in 0..passes {
             if pass > 0 {
                 run.begin_pass();
             }
@@ -146,8 +180,11 @@ impl FilterVisitor for Calibrate<'_> {
                 run.step(sample)?;
                 if sigmas.last().is_none_or(|(time, _)| sample.time >= time + LOOK) {
                     let mut now = Vec::with_capacity(F::Shape::STATES);
-                    run.parameters(&mut |parameter| now.push(parameter.sigma));
-                    sigmas.push((sample.time, now));
+                    run.parameters(&mut |parameter| now.push((parameter.value, parameter.sigma)));
+                    if pass + 1 == passes {
+                        self.watch.estimates(F::NAME, sample.time, &now);
+                    }
+                    sigmas.push((sample.time, now.iter().map(|(_, sigma)| *sigma).collect()));
                 }
             }
         }

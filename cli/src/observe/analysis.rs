@@ -7,7 +7,7 @@ use sinscal::observability::{
     Direction, Information, Observability, Segment, Segmenter, TOLERANCE, basis, prior,
 };
 use sinscal::{
-    Calibration, Conventional, DitherSizeEffect, Filter, FilterVisitor, InitialAttitude, Shape, Sins36P,
+    Calibration, Conventional, DitherSizeEffect, Filter, FilterVisitor, Sample, Setup, Shape, Sins36P,
     Sins39P, Sins40P, Sins43P, StateInfo, Strapdown,
 };
 
@@ -15,65 +15,76 @@ use crate::log::Log;
 use crate::{output, setup};
 
 /// Time spans over which degrees are compared, as in figure 5 of the paper.
-pub(super) const SPANS: usize = 5;
+pub(crate) const SPANS: usize = 5;
 /// A combination of states whose variance the run leaves above this part of the prior's is weak: the data say less than
 /// the prior does.
 const WEAK: f64 = 0.5;
 
 /// What a log can tell a filter.
-pub(super) struct Analysis {
-    pub(super) states: Vec<State>,
-    pub(super) rank: usize,
+pub(crate) struct Analysis {
+    pub(crate) states: Vec<State>,
+    pub(crate) rank: usize,
     /// Largest first.
-    pub(super) singular_values: Vec<f64>,
+    pub(crate) singular_values: Vec<f64>,
     /// What rounding can make of a singular value that is zero.
-    pub(super) rounding: f64,
-    pub(super) unobservable: Vec<Direction>,
-    pub(super) weak: Vec<(Direction, f64)>,
-    pub(super) segments: usize,
-    pub(super) turning: usize,
+    pub(crate) rounding: f64,
+    pub(crate) unobservable: Vec<Direction>,
+    pub(crate) weak: Vec<(Direction, f64)>,
+    pub(crate) segments: usize,
+    pub(crate) turning: usize,
     /// Start of each span and end of the last, s.
-    pub(super) spans: [f64; SPANS + 1],
+    pub(crate) spans: [f64; SPANS + 1],
     /// Combinations with dither that the filter leaves out, and whether the log has any.
-    pub(super) confounded: Vec<Direction>,
+    pub(crate) confounded: Vec<Direction>,
 }
 
 /// One state.
-pub(super) struct State {
-    pub(super) info: StateInfo,
-    pub(super) spans: [f64; SPANS],
-    pub(super) degree: f64,
-    pub(super) prior_sigma: f64,
+pub(crate) struct State {
+    pub(crate) info: StateInfo,
+    pub(crate) spans: [f64; SPANS],
+    pub(crate) degree: f64,
+    pub(crate) prior_sigma: f64,
     /// At the first sample, were there no random walk.
-    pub(super) bound_sigma: f64,
+    pub(crate) bound_sigma: f64,
     /// At the last sample, random walks included.
-    pub(super) expected_sigma: Option<f64>,
+    pub(crate) expected_sigma: Option<f64>,
 }
 
 /// Looks at `log` with the eyes of the filter called `filter`.
 pub(super) fn analyse(log: &Log, filter: &str) -> Result<Option<Analysis>> {
-    let initial = setup::initial(log)?;
-    let Some(analysis) = sinscal::visit_filter(filter, Look { log, initial }) else { return Ok(None) };
-    analysis.map(Some)
+    let setup = setup::of(log, setup::initial(log)?);
+    let samples = log.samples()?.map(|sample| Ok(sample?));
+    look(filter, &setup, &log.table().display().to_string(), Box::new(samples)).transpose()
+}
+
+/// Looks at `samples`, called `name`, with the eyes of the filter called `filter`; `None` when there is no such filter.
+pub(crate) fn look(
+    filter: &str,
+    setup: &Setup,
+    name: &str,
+    samples: Box<dyn Iterator<Item = Result<Sample>> + '_>,
+) -> Option<Result<Analysis>> {
+    sinscal::visit_filter(filter, Look { setup, name, samples })
 }
 
 struct Look<'a> {
-    log: &'a Log,
-    initial: InitialAttitude,
+    setup: &'a Setup<'a>,
+    name: &'a str,
+    samples: Box<dyn Iterator<Item = Result<Sample>> + 'a>,
 }
 
 impl FilterVisitor for Look<'_> {
     type Output = Result<Analysis>;
 
     fn visit<F: Filter<Dynamics = Strapdown>>(self) -> Self::Output {
-        let setup = setup::of(self.log, self.initial);
-        let mut run = Box::new(Calibration::<F, Conventional>::new(&setup));
+        let setup = self.setup;
+        let mut run = Box::new(Calibration::<F, Conventional>::new(setup));
         let before = prior(&run);
         let mut information = Box::new(Information::new(&run));
-        let mut segmenter = Segmenter::new(&setup);
+        let mut segmenter = Segmenter::new(setup);
         let mut segments = Vec::new();
         let mut diverged = None;
-        for sample in self.log.samples()? {
+        for sample in self.samples {
             let sample = sample?;
             segments.extend(segmenter.push(&sample));
             if diverged.is_none() {
@@ -82,15 +93,14 @@ impl FilterVisitor for Look<'_> {
         }
         segments.extend(segmenter.finish());
         if let Some(error) = diverged {
-            let table = self.log.table().display();
-            output::remark(&format!("warning: {table}: {error}; the sigmas to expect are left out"));
+            output::remark(&format!("warning: {}: {error}; the sigmas to expect are left out", self.name));
         }
 
         let spans = boundaries(&segments);
-        let mut whole = Box::new(Observability::<F>::new(&setup));
+        let mut whole = Box::new(Observability::<F>::new(setup));
         let mut degrees = Vec::new();
         for span in 0..SPANS {
-            let mut part = Box::new(Observability::<F>::new(&setup));
+            let mut part = Box::new(Observability::<F>::new(setup));
             let inside = segments.iter().filter(|segment| span_of(&spans, segment) == span);
             inside.for_each(|segment| part.add(segment));
             whole.join(&part);
@@ -129,7 +139,7 @@ impl FilterVisitor for Look<'_> {
             segments: segments.len(),
             turning: segments.iter().filter(|segment| segment.turning).count(),
             spans,
-            confounded: confounded(F::NAME, self.log, self.initial, &segments),
+            confounded: confounded(F::NAME, setup, &segments),
         })
     }
 }
@@ -147,21 +157,20 @@ fn span_of(spans: &[f64; SPANS + 1], segment: &Segment) -> usize {
 }
 
 /// What dither, where the log has it and the filter leaves it out, cannot be told apart from.
-fn confounded(filter: &str, log: &Log, initial: InitialAttitude, segments: &[Segment]) -> Vec<Direction> {
+fn confounded(filter: &str, setup: &Setup, segments: &[Segment]) -> Vec<Direction> {
     if segments.iter().all(|segment| segment.signals.dither.norm() == 0.0) {
         return Vec::new();
     }
-    let setup = setup::of(log, initial);
     match filter {
-        "36d-p" => lost::<Extended<Sins36P, DitherSizeEffect, U3>>(&setup, segments),
-        "39d-p" => lost::<Extended<Sins39P, DitherSizeEffect, U3>>(&setup, segments),
-        "40d-p" => lost::<Extended<Sins40P, DitherSizeEffect, U3>>(&setup, segments),
-        "43d-p" => lost::<Extended<Sins43P, DitherSizeEffect, U3>>(&setup, segments),
+        "36d-p" => lost::<Extended<Sins36P, DitherSizeEffect, U3>>(setup, segments),
+        "39d-p" => lost::<Extended<Sins39P, DitherSizeEffect, U3>>(setup, segments),
+        "40d-p" => lost::<Extended<Sins40P, DitherSizeEffect, U3>>(setup, segments),
+        "43d-p" => lost::<Extended<Sins43P, DitherSizeEffect, U3>>(setup, segments),
         _ => Vec::new(),
     }
 }
 
-fn lost<F: Filter<Dynamics = Strapdown>>(setup: &sinscal::Setup, segments: &[Segment]) -> Vec<Direction> {
+fn lost<F: Filter<Dynamics = Strapdown>>(setup: &Setup, segments: &[Segment]) -> Vec<Direction> {
     let mut whole = Box::new(Observability::<F>::new(setup));
     segments.iter().for_each(|segment| whole.add(segment));
     let found = whole.decompose();

@@ -1,7 +1,7 @@
 //! `sinscal observe`: what a log can tell a filter.
 
-mod analysis;
-mod report;
+pub(crate) mod analysis;
+pub(crate) mod report;
 
 use std::path::PathBuf;
 

@@ -49,7 +49,7 @@ struct Weak {
     sigma_left: f64,
 }
 
-fn name(info: &StateInfo) -> String {
+pub(crate) fn name(info: &StateInfo) -> String {
     format!("{} {}", info.block, info.component).trim_end().to_owned()
 }
 
@@ -109,7 +109,7 @@ pub(super) fn verdict(filter: &str, analysis: &Analysis) -> String {
 }
 
 /// Verdict, what cannot be found, degrees. Writing to a string does not fail.
-pub(super) fn table(filter: &str, analysis: &Analysis) -> String {
+pub(crate) fn table(filter: &str, analysis: &Analysis) -> String {
     let mut text = verdict(filter, analysis) + "\n";
     let smallest = analysis.singular_values.last().copied().unwrap_or(0.0);
     let _ = writeln!(

@@ -1,0 +1,240 @@
+//! `sinscal campaign`: Monte Carlo over simulated units.
+
+mod store;
+mod tables;
+pub(crate) mod text;
+
+use std::collections::{BTreeMap, HashSet};
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use clap::{Args, Subcommand};
+use miette::{IntoDiagnostic, Report, Result, miette};
+use rayon::prelude::*;
+use rig::Scenario;
+use study::{Plan, Summary, UnitResult};
+
+use self::store::{Identity, Store};
+use crate::ablate::run::FILTERS;
+use crate::broadcast::progress_bar;
+use crate::navigate::{ALIGNMENT, alignment};
+use crate::output::{self, Files};
+use crate::setup;
+
+/// Without a terminal the state of affairs is said at most this often, s.
+const REMARK: u64 = 30;
+
+/// Calibrate many simulated units with each filter: errors, whether the filters know them, navigation
+#[derive(Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    command: Option<Merge>,
+    /// Number of units
+    #[arg(long, value_name = "N", required = true, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    units: Option<u64>,
+    /// The scenario that units are drawn from and calibrated in; without, the default one
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<PathBuf>,
+    /// The filters, separated by commas
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_values = FILTERS)]
+    filters: Vec<String>,
+    /// Hours of free-inertial navigation on a swinging table with each calibration; 0 leaves it out
+    #[arg(long, value_name = "H", default_value_t = 4.0, value_parser = hours)]
+    hours: f64,
+    /// Align over the first so many seconds of it, at most half
+    #[arg(long, value_name = "SECONDS", default_value_t = ALIGNMENT, value_parser = alignment)]
+    align: f64,
+    /// Number of passes of a calibration
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    passes: u32,
+    /// Number of the first unit
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..1 << 60))]
+    seed: u64,
+    /// Only every Nth unit, beginning with the ith: `1/4` to `4/4` together are the whole campaign
+    #[arg(long, value_name = "i/N", value_parser = shard, requires = "out")]
+    shard: Option<(u64, u64)>,
+    /// Write the summary as JSON; `-` writes it to standard output instead of the tables
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Keep every finished unit in this folder, so that the campaign can be taken up again, and write summary.json,
+    /// summary.txt, filters.parquet and parameters.parquet there
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Subcommand)]
+enum Merge {
+    /// Summarise the units of the shards of a campaign
+    Merge {
+        /// Folders of shards; they may share one
+        #[arg(required = true, value_name = "DIR")]
+        folders: Vec<PathBuf>,
+        /// Write the summary as JSON; `-` writes it to standard output instead of the tables
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+        /// Write summary.json, summary.txt, filters.parquet and parameters.parquet to this folder
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+}
+
+fn hours(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(hours) if hours == 0.0 || (0.01..=1000.0).contains(&hours) => Ok(hours),
+        _ => Err("0, or a number of hours from 0.01 to 1000 was expected".into()),
+    }
+}
+
+fn shard(text: &str) -> Result<(u64, u64), String> {
+    let parsed = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+    match parsed {
+        Some((i, n)) if (1..=n).contains(&i) => Ok((i, n)),
+        _ => Err("which shard of how many was expected, such as 1/4 to 4/4".into()),
+    }
+}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<()> {
+        if let Some(Merge::Merge { folders, json, out }) = self.command {
+            return merge(&folders, json.as_deref(), out.as_deref());
+        }
+        let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
+        let mut filters = Vec::new();
+        for name in &self.filters {
+            let filter = setup::filter(name.trim())?.name.to_owned();
+            if filters.contains(&filter) {
+                return Err(miette!("--filters: {filter} stands there twice"));
+            }
+            filters.push(filter);
+        }
+        let plan = Plan {
+            scenario: scenario(self.scenario.as_deref())?,
+            filters,
+            passes: self.passes,
+            hours: self.hours,
+            alignment: self.align,
+        };
+        if plan.hours > 0.0 {
+            plan.swing().check().map_err(|error| miette!("the swing after the calibration: {error}"))?;
+        }
+        let (i, n) = self.shard.unwrap_or((1, 1));
+        let units: Vec<u64> =
+            (0..self.units.unwrap_or(0)).filter(|k| k % n == i - 1).map(|k| self.seed + k).collect();
+        let store = self.out.as_deref().map(|out| Store::create(out, &Identity::of(&plan))).transpose()?;
+        let results = put_through(&plan, &units, store.as_ref())?;
+        if self.shard.is_some() {
+            return output::print(&format!(
+                "shard {i} of {n}: {} units are done; `sinscal campaign merge` makes the summary\n",
+                results.len()
+            ));
+        }
+        report(&results, &target)
+    }
+}
+
+/// The scenario in a file, or the default one.
+pub(crate) fn scenario(path: Option<&Path>) -> Result<Scenario> {
+    let Some(path) = path else { return Ok(Scenario::default()) };
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| miette!("{}: cannot be read: {error}", path.display()))?;
+    Scenario::parse(&text).map_err(|error| miette!("{}: {error}", path.display()))
+}
+
+/// Puts units through the plan, in parallel; what is in the store already is not done again.
+fn put_through(plan: &Plan, units: &[u64], store: Option<&Store>) -> Result<Vec<UnitResult>> {
+    let mut results: Vec<UnitResult> =
+        units.iter().filter_map(|unit| store.and_then(|store| store.unit(*unit))).collect();
+    let before: HashSet<u64> = results.iter().map(|result| result.unit).collect();
+    let todo: Vec<u64> = units.iter().copied().filter(|unit| !before.contains(unit)).collect();
+    if !results.is_empty() {
+        output::remark(&format!("{} of {} units were done before", results.len(), units.len()));
+    }
+    let bar = progress_bar(todo.len() as u64, "units");
+    let quiet = !std::io::stderr().is_terminal();
+    let (started, done, said) = (Instant::now(), AtomicU64::new(0), AtomicU64::new(0));
+    let one = |unit: &u64| -> Result<UnitResult> {
+        let result = plan.unit(*unit).map_err(|error| miette!("{error}"))?;
+        if let Some(store) = store {
+            store.keep(&result)?;
+        }
+        bar.inc(1);
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        let elapsed = started.elapsed().as_secs();
+        let before = said.load(Ordering::Relaxed);
+        if quiet
+            && elapsed >= before + REMARK
+            && said.compare_exchange(before, elapsed, Ordering::Relaxed, Ordering::Relaxed).is_ok()
+        {
+            let left = elapsed * (todo.len() as u64 - done) / done;
+            output::remark(&format!("{done} of {} units, {left} s left", todo.len()));
+        }
+        Ok(result)
+    };
+    let fresh: Result<Vec<UnitResult>, Report> = todo.par_iter().map(one).collect();
+    bar.finish_and_clear();
+    results.extend(fresh?);
+    results.sort_by_key(|result| result.unit);
+    Ok(results)
+}
+
+fn merge(folders: &[PathBuf], json: Option<&Path>, out: Option<&Path>) -> Result<()> {
+    let target = output::Target::new(json, out)?;
+    let mut results: BTreeMap<u64, UnitResult> = BTreeMap::new();
+    let mut identity: Option<(Identity, &PathBuf)> = None;
+    for folder in folders {
+        let store = Store::open(folder);
+        let found = store.identity()?;
+        if let Some((first, at)) = &identity {
+            if let Some(field) = first.difference(&found) {
+                return Err(miette!(
+                    "{} and {} hold results of different campaigns: `{field}` differs",
+                    at.display(),
+                    folder.display()
+                ));
+            }
+        } else {
+            identity = Some((found, folder));
+        }
+        for unit in store.finished()? {
+            let Some(result) = store.unit(unit) else {
+                output::remark(&format!("warning: {}: unit {unit} is damaged and left out", folder.display()));
+                continue;
+            };
+            match results.get(&unit) {
+                Some(other) if *other != result => {
+                    return Err(miette!("{}: unit {unit} differs from that of another folder", folder.display()));
+                }
+                Some(_) => {}
+                None => {
+                    results.insert(unit, result);
+                }
+            }
+        }
+    }
+    let results: Vec<UnitResult> = results.into_values().collect();
+    let gaps = results.windows(2).map(|pair| pair[1].unit - pair[0].unit - 1).sum::<u64>();
+    if gaps > 0 {
+        output::remark(&format!("warning: {gaps} units between the first and the last are not there yet"));
+    }
+    report(&results, &target)
+}
+
+fn report(results: &[UnitResult], target: &output::Target<'_>) -> Result<()> {
+    if results.is_empty() {
+        return Err(miette!("no unit is there to summarise"));
+    }
+    let summary = Summary::new(results);
+    let json = serde_json::to_string_pretty(&summary).into_diagnostic()? + "\n";
+    target.write("summary", &json, &text::table(&summary), &text::verdict(&summary), |files, folder| {
+        write_tables(files, folder, results)
+    })
+}
+
+fn write_tables(files: &mut Files, folder: &Path, results: &[UnitResult]) -> Result<()> {
+    let (filters, parameters) = (tables::filters(results)?, tables::parameters(results)?);
+    files.write(&folder.join("filters.parquet"), |file| file.write_all(&filters))?;
+    files.write(&folder.join("parameters.parquet"), |file| file.write_all(&parameters))
+}
