@@ -16,7 +16,10 @@ mod log;
 mod navigate;
 mod observe;
 mod output;
+mod paper;
 mod setup;
+mod scenario;
+mod simulate;
 mod suggest;
 
 use std::io::IsTerminal;
@@ -36,11 +39,13 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Demo(demo::Arguments),
+    Simulate(simulate::Arguments),
     Calibrate(calibrate::Arguments),
     Ablate(ablate::Arguments),
     Observe(observe::Arguments),
     Navigate(navigate::Arguments),
     Campaign(campaign::Arguments),
+    Paper(paper::Arguments),
     Filters(filters::Arguments),
     Effects(effects::Arguments),
 }
@@ -58,11 +63,13 @@ fn main() -> ExitCode {
     };
     let result = match cli.command {
         Command::Demo(arguments) => arguments.run(),
+        Command::Simulate(arguments) => arguments.run(),
         Command::Calibrate(arguments) => arguments.run(),
         Command::Ablate(arguments) => arguments.run(),
         Command::Observe(arguments) => arguments.run(),
         Command::Navigate(arguments) => arguments.run(),
         Command::Campaign(arguments) => arguments.run(),
+        Command::Paper(arguments) => arguments.run(),
         Command::Filters(arguments) => arguments.run(),
         Command::Effects(arguments) => arguments.run(),
     };

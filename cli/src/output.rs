@@ -73,7 +73,7 @@ impl Files {
     pub(crate) fn write(
         &mut self,
         path: &Path,
-        fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+        fill: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     ) -> Result<()> {
         // A device or a pipe is no file to be replaced.
         if path.exists() && !path.is_file() {

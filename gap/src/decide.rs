@@ -16,6 +16,9 @@ const KEPT: f64 = 0.5;
 /// ...and must carry this part of what the whole set gains.
 const SHARE: f64 = 0.01;
 
+/// A family that passes its threshold by less than three decades may be chance; where the second log is silent, it is.
+const WEAK: f64 = 6.907_755_278_982_137;
+
 /// What was decided, in numbers of groups of the first scene.
 #[derive(Debug)]
 pub(crate) struct Decision {
@@ -61,6 +64,9 @@ pub(crate) fn decide(first: &Scene, second: Option<&Scene>, open: Option<&Open>,
         }
     }
     if found.sets[0].groups.is_empty() {
+        let weak = loud.first().is_some_and(|l| open.is_some_and(|o| l.1.ln_p > o.threshold - WEAK));
+        let chance = weak && second.is_some_and(|s| is_silent(s, open, threshold));
+        let loud = if chance { Vec::new() } else { loud };
         return nothing_named(first, found, loud);
     }
     let mut sets: Vec<(f64, Tried)> =
@@ -98,6 +104,17 @@ pub(crate) fn decide(first: &Scene, second: Option<&Scene>, open: Option<&Open>,
     };
     judge(first, second, open, &mut decision, clean);
     decision
+}
+
+/// Whether nothing is significant in the second log, on top of the base filter, by the thresholds of the first.
+fn is_silent(second: &Scene, open: Option<&Open>, threshold: f64) -> bool {
+    let library = second.prices.worst(second.excited().into_iter()).is_none_or(|(_, s)| s.ln_p > threshold);
+    let there = Open::prices(second);
+    let families = there.zip(open).is_none_or(|(mut there, open)| {
+        there.threshold = open.threshold;
+        there.loud(&[]).is_empty()
+    });
+    library && families
 }
 
 /// No effect of the library is significant.

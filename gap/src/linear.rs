@@ -58,8 +58,6 @@ pub(crate) struct Found {
     pub(crate) log_likelihood: f64,
     pub(crate) degrees_of_freedom: usize,
     pub(crate) gram: Vec<f64>,
-    /// Estimates of the estimated columns, truth (not what remains), with their standard deviations.
-    pub(crate) estimate: Vec<(f64, f64)>,
 }
 
 /// The whitened rows of one update: `rows` x (1 + priced).
@@ -279,16 +277,7 @@ pub(crate) fn run_free(
             gram[i * nc + j] = gram[j * nc + i];
         }
     }
-    let estimate = estimated
-        .iter()
-        .enumerate()
-        .map(|(k, &c)| {
-            let i = CORE + k;
-            // column 0 carries minus the estimate of what remains
-            (columns[c].about - w[i * nc], p[i * n + i].max(0.0).sqrt())
-        })
-        .collect();
-    Some(Found { log_likelihood, degrees_of_freedom, gram, estimate })
+    Some(Found { log_likelihood, degrees_of_freedom, gram })
 }
 
 /// `out += a b`, a of `rows` x `inner`, b of `inner` x `cols`, two rows of b at a time.

@@ -8,6 +8,9 @@ use crate::recording::Column;
 /// A direction of an effect in which its prior size would not even show as one standard deviation is left out of tests.
 const SEEN: f64 = 1.0;
 
+/// Inverse variance of a wide prior, in units of a block's.
+const WIDE: f64 = 1e-2;
+
 /// A candidate effect: columns that come and go together.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Group {
@@ -55,11 +58,11 @@ impl Prices {
         self.groups.iter().position(|g| g.name == name)
     }
 
-    /// `Lambda + 1` of some columns, factored.
-    fn posterior_factor(&self, members: &[usize]) -> Option<Cholesky<f64, Dyn>> {
+    /// `Lambda + prior` of some columns, factored; `prior` is 1 for that of the blocks.
+    fn posterior_factor(&self, members: &[usize], prior: f64) -> Option<Cholesky<f64, Dyn>> {
         let mut m = self.lambda.select_rows(members).select_columns(members);
         for i in 0..members.len() {
-            m[(i, i)] += 1.0;
+            m[(i, i)] += prior;
         }
         Cholesky::new(m)
     }
@@ -70,7 +73,7 @@ impl Prices {
         if members.is_empty() {
             return 0.0;
         }
-        let Some(factor) = self.posterior_factor(&members) else { return f64::NAN };
+        let Some(factor) = self.posterior_factor(&members, 1.0) else { return f64::NAN };
         let b = self.b.select_rows(&members);
         0.5 * b.dot(&factor.solve(&b)) - factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>()
     }
@@ -78,7 +81,7 @@ impl Prices {
     /// Estimates of the columns of some groups and their covariance, both in physical units.
     pub(crate) fn posterior(&self, groups: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let members = self.members(groups);
-        let factor = self.posterior_factor(&members)?;
+        let factor = self.posterior_factor(&members, 1.0)?;
         let scale = DVector::from_iterator(members.len(), members.iter().map(|i| self.sigma[*i]));
         let mean = factor.solve(&self.b.select_rows(&members)).component_mul(&scale);
         let mut covariance = factor.inverse();
@@ -118,13 +121,14 @@ impl Prices {
         Some(0.5 * b.dot(&sum.solve(&b)) - 0.5 * mean.dot(&(&inverse * &mean)) - 0.5 * det)
     }
 
-    /// Score and information of all columns once `groups` are in the filter.
+    /// Score and information of all columns once `groups` are in the filter, with wide priors: an effect larger than its prior
+    /// must not leave something behind that looks like another.
     pub(crate) fn given(&self, groups: &[usize]) -> Option<Self> {
         let members = self.members(groups);
         if members.is_empty() {
             return Some(self.clone());
         }
-        let factor = self.posterior_factor(&members)?;
+        let factor = self.posterior_factor(&members, WIDE)?;
         let cross = self.lambda.select_rows(&members);
         let gained = factor.solve(&cross);
         let b = &self.b - gained.transpose() * self.b.select_rows(&members);

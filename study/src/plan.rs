@@ -1,10 +1,10 @@
 //! What is done with each unit.
 
-use rig::scenario::Path;
+use rig::scenario::MotionPlan;
 use rig::{Scenario, ScenarioError};
 
-/// Amplitude of the swing about each axis, rad: the paper's are lost, 6 deg is a choice.
-const AMPLITUDE: f64 = 6.0 * std::f64::consts::PI / 180.0;
+/// Table 2 of the paper: the defaults of a swing of the rig, level, x east at rest.
+const SWING: &str = "[motion]\npath = \"swing\"\nstart = \"ENU\"";
 
 /// An experiment.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +19,8 @@ pub struct Plan {
     pub hours: f64,
     /// Alignment before it, s.
     pub alignment: f64,
+    /// How the unit is moved meanwhile.
+    pub motion: MotionPlan,
 }
 
 /// Why a unit could not be put through the experiment.
@@ -43,17 +45,21 @@ pub enum Trouble {
 }
 
 impl Plan {
-    /// The swing of the paper's table 2 after the calibration: the same unit on another day (other noise, another phase of
-    /// the dither), about x, y and z with 0.4, 0.3 and 0.4 Hz, its centre a known fixed point.
-    pub fn swing(&self) -> Scenario {
+    /// The swing of the paper's table 2: 0.4, 0.3 and 0.4 Hz about x, y and z. The amplitudes are lost, 6 deg is a choice; so is a
+    /// quarter period between x and z, without which nothing cones.
+    ///
+    /// # Errors
+    /// Never, as long as the rig knows its own defaults.
+    pub fn paper_swing() -> Result<MotionPlan, ScenarioError> {
+        Ok(Scenario::parse(SWING)?.motion)
+    }
+
+    /// The scenario of the navigation after the calibration: the same unit on another day, with other noise and another phase
+    /// of the dither, its centre a known fixed point.
+    pub fn navigation(&self) -> Scenario {
         let mut scenario = self.scenario.clone();
         scenario.run += 1;
-        scenario.motion.path = Path::Swing {
-            amplitude: [AMPLITUDE; 3].into(),
-            frequency: [0.4, 0.3, 0.4].into(),
-            phase: [0.0, 0.0, std::f64::consts::FRAC_PI_2].into(),
-        };
-        scenario.motion.start = nalgebra::UnitQuaternion::identity();
+        scenario.motion = self.motion.clone();
         scenario.motion.duration = self.hours * 3600.0;
         scenario.reference.readings = false;
         scenario.reference.attitude = false;

@@ -115,7 +115,7 @@ impl Plan {
         filters: &mut [FilterResult],
         watch: &mut dyn Watch,
     ) -> Result<(), Trouble> {
-        let simulation = Simulation::new(&self.swing(), unit)?;
+        let simulation = Simulation::new(&self.navigation(), unit)?;
         let description = simulation.description().clone();
         let setup = description.setup(&[]);
         let mut pilots: Vec<Box<dyn Pilot>> = Vec::new();

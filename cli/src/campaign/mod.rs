@@ -14,6 +14,7 @@ use clap::{Args, Subcommand};
 use miette::{IntoDiagnostic, Report, Result, miette};
 use rayon::prelude::*;
 use rig::Scenario;
+use rig::scenario::MotionPlan;
 use study::{Plan, Summary, UnitResult};
 
 use self::store::{Identity, Store};
@@ -44,6 +45,9 @@ pub(crate) struct Arguments {
     /// Hours of free-inertial navigation on a swinging table with each calibration; 0 leaves it out
     #[arg(long, value_name = "H", default_value_t = 4.0, value_parser = hours)]
     hours: f64,
+    /// The scenario whose [motion] the unit is moved by meanwhile; without, the swing of the paper's table 2
+    #[arg(long, value_name = "FILE")]
+    swing: Option<PathBuf>,
     /// Align over the first so many seconds of it, at most half
     #[arg(long, value_name = "SECONDS", default_value_t = ALIGNMENT, value_parser = alignment)]
     align: f64,
@@ -116,9 +120,10 @@ impl Arguments {
             passes: self.passes,
             hours: self.hours,
             alignment: self.align,
+            motion: motion(self.swing.as_deref())?,
         };
         if plan.hours > 0.0 {
-            plan.swing().check().map_err(|error| miette!("the swing after the calibration: {error}"))?;
+            plan.navigation().check().map_err(|error| miette!("the swing after the calibration: {error}"))?;
         }
         let (i, n) = self.shard.unwrap_or((1, 1));
         let units: Vec<u64> =
@@ -141,6 +146,14 @@ pub(crate) fn scenario(path: Option<&Path>) -> Result<Scenario> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| miette!("{}: cannot be read: {error}", path.display()))?;
     Scenario::parse(&text).map_err(|error| miette!("{}: {error}", path.display()))
+}
+
+/// The motion of the scenario in a file, or the paper's swing.
+pub(crate) fn motion(path: Option<&Path>) -> Result<MotionPlan> {
+    match path {
+        Some(path) => Ok(scenario(Some(path))?.motion),
+        None => Plan::paper_swing().map_err(|error| miette!("the swing: {error}")),
+    }
 }
 
 /// Puts units through the plan, in parallel; what is in the store already is not done again.

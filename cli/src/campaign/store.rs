@@ -18,6 +18,7 @@ pub(super) struct Identity {
     hours: f64,
     alignment_s: f64,
     scenario: String,
+    swing: String,
 }
 
 impl Identity {
@@ -29,6 +30,7 @@ impl Identity {
             hours: plan.hours,
             alignment_s: plan.alignment,
             scenario: format!("{:?}", plan.scenario),
+            swing: format!("{:?}", plan.motion),
         }
     }
 
@@ -41,6 +43,7 @@ impl Identity {
             ("hours", self.hours != other.hours),
             ("alignment_s", self.alignment_s != other.alignment_s),
             ("scenario", self.scenario != other.scenario),
+            ("swing", self.swing != other.swing),
         ];
         differs.into_iter().find(|(_, differs)| *differs).map(|(name, _)| name)
     }

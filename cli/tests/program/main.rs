@@ -2,5 +2,7 @@
 
 mod broken_inputs;
 mod commands;
+mod experiments;
 mod outside_logs;
+mod simulate;
 mod support;

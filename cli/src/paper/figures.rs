@@ -1,0 +1,137 @@
+//! The data of the figures, as comma-separated text.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use miette::Result;
+use nalgebra::Vector3;
+use study::{FilterResult, Watch};
+
+use super::Findings;
+use crate::observe::analysis::SPANS;
+use crate::observe::report::name;
+use crate::output::Files;
+
+/// The filter whose parameters the figures show.
+const SHOWN: &str = "43d-b";
+/// A point of figure 15 every so often, s.
+const STEP: f64 = 60.0;
+
+/// What happened to one unit over time.
+#[derive(Default)]
+pub(super) struct Traces {
+    /// Time, then estimate and sigma of each parameter of the filter shown.
+    estimates: Vec<(f64, Vec<(f64, f64)>)>,
+    /// By filter: time, east and north error, m.
+    errors: Vec<(String, Vec<(f64, f64, f64)>)>,
+}
+
+impl Watch for Traces {
+    fn estimates(&mut self, filter: &str, time: f64, parameters: &[(f64, f64)]) {
+        if filter == SHOWN {
+            self.estimates.push((time, parameters.to_vec()));
+        }
+    }
+
+    fn error(&mut self, filter: &str, time: f64, error: &Vector3<f64>) {
+        let at = match self.errors.iter().position(|(name, _)| name == filter) {
+            Some(at) => at,
+            None => {
+                self.errors.push((filter.to_owned(), Vec::new()));
+                self.errors.len() - 1
+            }
+        };
+        let track = &mut self.errors[at].1;
+        // half a second of slack, so that rounding does not skip a point
+        if track.last().is_none_or(|(last, _, _)| time >= last + STEP - 0.5) {
+            track.push((time, error.x, error.y));
+        }
+    }
+}
+
+/// Files of the figures, and what they show by the names of the parameters in them.
+const PARAMETERS: [(&str, &[&str]); 8] = [
+    ("figure-07-gyro-scale.csv", &["gyro-scale"]),
+    ("figure-08-gyro-misalignment.csv", &["gyro-misalignment"]),
+    ("figure-09-accel-scale.csv", &["accel-scale"]),
+    ("figure-10-accel-misalignment.csv", &["accel-misalignment"]),
+    ("figure-11-accel-quadratic.csv", &["accel-quadratic"]),
+    ("figure-12-lever-arms.csv", &["outer-lever-arm", "inner-lever-arm"]),
+    ("figure-13-accel-delay.csv", &["accel-delay"]),
+    ("figure-14-accel-temperature-scale.csv", &["accel-temperature-scale"]),
+];
+
+/// Writes all figures.
+pub(super) fn write(findings: &Findings, files: &mut Files, folder: &Path) -> Result<()> {
+    files.write(&folder.join("figure-03-delay.csv"), |out| figure_3(findings, out))?;
+    files.write(&folder.join("figure-05-observability.csv"), |out| figure_5(findings, out))?;
+    let shown = findings.first.filters.iter().find(|filter| filter.filter == SHOWN);
+    if let Some(shown) = shown {
+        for (file, blocks) in PARAMETERS {
+            files.write(&folder.join(file), |out| parameters(findings, shown, blocks, out))?;
+        }
+    }
+    files.write(&folder.join("figure-15-errors.csv"), |out| figure_15(findings, out))
+}
+
+fn figure_3(findings: &Findings, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "time_s,velocity_e,velocity_n,velocity_u,position_e,position_n,position_u,simulated_velocity_n,simulated_position_n")?;
+    for errors in &findings.delay_errors {
+        let (v, p) = (&errors.velocity, &errors.position);
+        let (sv, sp) = (errors.simulated_velocity.y, errors.simulated_position.y);
+        let time = errors.time;
+        writeln!(out, "{time},{:e},{:e},{:e},{:e},{:e},{:e},{sv:e},{sp:e}", v.x, v.y, v.z, p.x, p.y, p.z)?;
+    }
+    Ok(())
+}
+
+fn figure_5(findings: &Findings, out: &mut dyn Write) -> io::Result<()> {
+    let spans: Vec<String> = (1..=SPANS).map(|span| format!("span_{span}")).collect();
+    writeln!(out, "state,{},whole", spans.join(","))?;
+    for state in &findings.observability.states {
+        let degrees: Vec<String> = state.spans.iter().map(|degree| format!("{degree:e}")).collect();
+        writeln!(out, "{},{},{:e}", name(&state.info), degrees.join(","), state.degree)?;
+    }
+    Ok(())
+}
+
+fn parameters(findings: &Findings, shown: &FilterResult, blocks: &[&str], out: &mut dyn Write) -> io::Result<()> {
+    let which: Vec<usize> = (0..shown.parameters.len())
+        .filter(|i| blocks.contains(&shown.parameters[*i].name.as_str()))
+        .collect();
+    write!(out, "time_s")?;
+    for i in &which {
+        let parameter = &shown.parameters[*i];
+        let name = format!("{}.{}", parameter.name, parameter.component);
+        write!(out, ",{name},{name}.three_sigma,{name}.truth")?;
+    }
+    writeln!(out)?;
+    for (time, estimates) in &findings.traces.estimates {
+        write!(out, "{time}")?;
+        for i in &which {
+            let (value, sigma) = estimates[*i];
+            write!(out, ",{value:e},{:e},{:e}", 3.0 * sigma, shown.parameters[*i].truth)?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+fn figure_15(findings: &Findings, out: &mut dyn Write) -> io::Result<()> {
+    let errors = &findings.traces.errors;
+    write!(out, "time_s")?;
+    for (filter, _) in errors {
+        write!(out, ",{filter}.east_m,{filter}.north_m,{filter}.horizontal_m")?;
+    }
+    writeln!(out)?;
+    let points = errors.iter().map(|(_, track)| track.len()).min().unwrap_or(0);
+    for i in 0..points {
+        write!(out, "{}", errors[0].1[i].0)?;
+        for (_, track) in errors {
+            let (_, east, north) = track[i];
+            write!(out, ",{east:.3},{north:.3},{:.3}", east.hypot(north))?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,128 @@
+//! `sinscal paper`: the tables and figures of the paper, on the simulated rig.
+//!
+//! Xing, Yang and Cai, *Sensors* 22(1):278, 2022.
+
+mod figures;
+mod report;
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use miette::{IntoDiagnostic, Result, miette};
+use rayon::prelude::*;
+use rig::Simulation;
+use rig::analyses::delay;
+use study::{Plan, Summary, UnitResult};
+
+use self::figures::Traces;
+use crate::ablate::run::FILTERS;
+use crate::broadcast::progress_bar;
+use crate::campaign::{motion, scenario};
+use crate::navigate::ALIGNMENT;
+use crate::observe::analysis::{Analysis, look};
+use crate::output;
+
+/// Points of figure 3.
+const POINTS: u32 = 100;
+
+/// Reproduce the tables and figures of the paper on simulated units, with the paper's values beside
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Number of units that Fig. 15 and Table 3 are made of
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    units: u64,
+    /// Hours of free-inertial navigation
+    #[arg(long, value_name = "H", default_value_t = 48.0, value_parser = hours)]
+    hours: f64,
+    /// The scenario that units are drawn from; without, the default one
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<PathBuf>,
+    /// The scenario whose [motion] is that of Table 2; without, the swing with amplitudes of 6 deg
+    #[arg(long, value_name = "FILE")]
+    swing: Option<PathBuf>,
+    /// Number of the first unit, which the figures of single parameters show
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..1 << 60))]
+    seed: u64,
+    /// Write the numbers as JSON; `-` writes them to standard output instead of the report
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write paper.json, paper.txt and the figures' data as comma-separated text to this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+fn hours(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(hours) if (0.1..=1000.0).contains(&hours) => Ok(hours),
+        _ => Err("a number of hours from 0.1 to 1000 was expected".into()),
+    }
+}
+
+/// Everything the report is made of.
+struct Findings {
+    plan: Plan,
+    delay: delay::Turn,
+    delay_errors: Vec<delay::Errors>,
+    observability: Analysis,
+    /// Of the first unit.
+    traces: Traces,
+    first: UnitResult,
+    summary: Summary,
+    seconds: f64,
+}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<()> {
+        let started = Instant::now();
+        let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
+        let plan = Plan {
+            scenario: scenario(self.scenario.as_deref())?,
+            filters: FILTERS.map(str::to_owned).to_vec(),
+            passes: 2,
+            hours: self.hours,
+            alignment: ALIGNMENT,
+            motion: motion(self.swing.as_deref())?,
+        };
+        let delay = delay::Turn::figure_3(plan.scenario.site);
+        let simulation = Simulation::new(&plan.scenario, self.seed).map_err(|error| miette!("{error}"))?;
+        let description = simulation.description().clone();
+        let samples = Box::new(simulation.map(Ok));
+        let observability = look("43d-b", &description.setup(&[]), "the simulated log", samples)
+            .unwrap_or_else(|| Err(miette!("there is no filter called 43d-b")))?;
+        let (results, traces) = units(&plan, self.seed, self.units)?;
+        let first = results.first().cloned().ok_or_else(|| miette!("there is no unit"))?;
+        let findings = Findings {
+            delay_errors: delay.errors(POINTS),
+            delay,
+            observability,
+            traces,
+            first,
+            summary: Summary::new(&results),
+            plan,
+            seconds: started.elapsed().as_secs_f64(),
+        };
+        let json = serde_json::to_string_pretty(&report::Numbers::new(&findings)).into_diagnostic()? + "\n";
+        let text = report::text(&findings);
+        target.write("paper", &json, &text, &report::verdict(&findings), |files, folder| {
+            figures::write(&findings, files, folder)
+        })
+    }
+}
+
+/// Puts the units through the plan; the first one is watched.
+fn units(plan: &Plan, seed: u64, count: u64) -> Result<(Vec<UnitResult>, Traces)> {
+    let bar = progress_bar(count, "units");
+    let results: Result<Vec<(UnitResult, Traces)>> = (seed..seed + count)
+        .into_par_iter()
+        .map(|unit| {
+            let mut traces = Traces::default();
+            let result = if unit == seed { plan.unit_watched(unit, &mut traces) } else { plan.unit(unit) };
+            bar.inc(1);
+            Ok((result.map_err(|error| miette!("{error}"))?, traces))
+        })
+        .collect();
+    bar.finish_and_clear();
+    let (results, traces): (Vec<UnitResult>, Vec<Traces>) = results?.into_iter().unzip();
+    Ok((results, traces.into_iter().next().unwrap_or_default()))
+}

@@ -1,0 +1,62 @@
+//! Scenario files.
+
+use std::path::Path;
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, Report, Result, SourceCode, miette};
+use rig::{Fault, Scenario};
+
+/// The scenario in a file, or the default one.
+pub(crate) fn load(path: Option<&Path>) -> Result<Scenario> {
+    let Some(path) = path else { return Ok(Scenario::default()) };
+    let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::InvalidData => miette!("{}: is not text, a TOML scenario was expected", path.display()),
+        _ => miette!("{}: cannot be read: {error}", path.display()),
+    })?;
+    Scenario::parse(&text).map_err(|error| refused(Some((path, &text)), error.faults))
+}
+
+/// All that is wrong with a scenario, with a caret where it stands in a file.
+pub(crate) fn refused(file: Option<(&Path, &str)>, faults: Vec<Fault>) -> Report {
+    let name = file.map(|(path, _)| path.display().to_string());
+    let mut faults = faults.into_iter().map(|fault| {
+        let place = name.as_ref().map(|name| format!("{name}: ")).unwrap_or_default();
+        Refused {
+            message: format!("{place}{fault}"),
+            span: fault.span.clone(),
+            text: file.map(|(path, text)| NamedSource::new(path.display().to_string(), text.to_owned())),
+            others: Vec::new(),
+        }
+    });
+    match faults.next() {
+        Some(mut first) => {
+            first.others = faults.collect();
+            first.into()
+        }
+        None => miette!("the scenario cannot be simulated"),
+    }
+}
+
+/// One fault, with those found beside it.
+#[derive(Debug, thiserror::Error)]
+#[error("{message}")]
+struct Refused {
+    message: String,
+    span: Option<std::ops::Range<usize>>,
+    text: Option<NamedSource<String>>,
+    others: Vec<Refused>,
+}
+
+impl Diagnostic for Refused {
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.text.as_ref().filter(|_| self.span.is_some()).map(|text| text as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let span = self.span.clone()?;
+        Some(Box::new(std::iter::once(LabeledSpan::new(None, span.start, span.len()))))
+    }
+
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
+        Some(Box::new(self.others.iter().map(|other| other as &dyn Diagnostic)))
+    }
+}

@@ -1,0 +1,173 @@
+//! `sinscal simulate`: writes the log of a simulated unit.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use arrow_array::{ArrayRef, Float64Array, RecordBatch};
+use arrow_schema::{DataType, Field, Schema};
+use clap::Args;
+use indicatif::ProgressBar;
+use miette::{Result, miette};
+use parquet::arrow::ArrowWriter;
+use parquet::basic::{Compression, ZstdLevel};
+use parquet::file::properties::WriterProperties;
+use rig::{DEFAULT_SCENARIO, Description, Simulation};
+use sinscal::Sample;
+
+use crate::output::{self, Files};
+use crate::scenario;
+
+/// Rows per batch of the written table.
+const ROWS: usize = 8192;
+
+/// Simulate a unit on its path and write the log, its description and the truth
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Where the log goes: DIR/NAME becomes DIR/NAME.parquet, DIR/NAME.toml and DIR/NAME.truth.json
+    #[arg(long, value_name = "DIR/NAME", required_unless_present = "print_scenario")]
+    out: Option<PathBuf>,
+    /// What is simulated; without it the default scenario
+    #[arg(long, value_name = "FILE.toml")]
+    scenario: Option<PathBuf>,
+    /// Which unit of the scenario's population
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Sampling rate instead of the scenario's
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+    /// Print the default scenario with its comments, and do nothing else
+    #[arg(long)]
+    print_scenario: bool,
+}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<()> {
+        if self.print_scenario {
+            return output::print(DEFAULT_SCENARIO);
+        }
+        let Some(out) = &self.out else { return Err(miette!("--out DIR/NAME is missing")) };
+        let (Some(folder), Some(name)) = (out.parent(), out.file_name().and_then(|name| name.to_str())) else {
+            return Err(miette!("--out {}: DIR/NAME was expected", out.display()));
+        };
+        output::check_folder(folder)?;
+        let mut scenario = scenario::load(self.scenario.as_deref())?;
+        if let Some(rate) = self.rate {
+            scenario = scenario.with_rate(rate).map_err(|error| scenario::refused(None, error.faults))?;
+        }
+        let simulation =
+            Simulation::new(&scenario, self.seed).map_err(|error| scenario::refused(None, error.faults))?;
+
+        let description = simulation.description().clone();
+        let truth = simulation.truth().clone();
+        let samples = simulation.samples();
+        let path = |ending: &str| folder.join(format!("{name}{ending}"));
+        let mut files = Files::default();
+        if !folder.as_os_str().is_empty() {
+            files.folder(folder)?;
+        }
+        files.write(&path(".parquet"), |file| write_table(simulation, &description, file))?;
+        files.write(&path(".toml"), |file| file.write_all(description.to_toml().as_bytes()))?;
+        files.write(&path(".truth.json"), |file| file.write_all(truth.to_json().as_bytes()))?;
+        files.commit()?;
+        output::remark(&format!(
+            "{}: {samples} samples of unit {}, {:.0} s",
+            path(".parquet").display(),
+            self.seed,
+            scenario.duration()
+        ));
+        Ok(())
+    }
+}
+
+/// One column: its name and what of a sample stands in it.
+type Column = (String, Box<dyn Fn(&Sample) -> f64>);
+
+/// The columns that a log of this description has.
+fn columns(description: &Description) -> Vec<Column> {
+    let mut columns: Vec<Column> = vec![("time_s".into(), Box::new(|s| s.time))];
+    let mut vector = |name: &str, axes: [&str; 3], of: fn(&Sample) -> [f64; 3]| {
+        for (i, axis) in axes.into_iter().enumerate() {
+            columns.push((format!("{name}_{axis}"), Box::new(move |s| of(s)[i])));
+        }
+    };
+    let (body, level) = (["x", "y", "z"], ["e", "n", "u"]);
+    vector("dtheta", body, |s| s.dtheta.into());
+    vector("dvel", body, |s| s.dvel.into());
+    vector("temp", body, |s| s.temperature.into());
+    vector("temp_gyro", body, |s| s.gyro_temperature.into());
+    if description.dither {
+        vector("dither", body, |s| s.dither.into());
+    }
+    if description.readings {
+        vector("ref_vel", level, |s| s.reference.velocity.map_or([f64::NAN; 3], Into::into));
+        vector("ref_pos", level, |s| s.reference.position.map_or([f64::NAN; 3], Into::into));
+    }
+    if description.attitude {
+        for (i, part) in ["w", "x", "y", "z"].into_iter().enumerate() {
+            let of = move |s: &Sample| {
+                s.reference.attitude.map_or(f64::NAN, |q| [q.w, q.i, q.j, q.k][i])
+            };
+            columns.push((format!("ref_quat_{part}"), Box::new(of)));
+        }
+    }
+    columns
+}
+
+/// Writes the samples as they are simulated: a batch is all that is held.
+fn write_table(
+    simulation: Simulation,
+    description: &Description,
+    file: &mut (dyn Write + Send),
+) -> io::Result<()> {
+    let columns = columns(description);
+    let fields: Vec<Field> =
+        columns.iter().map(|(name, _)| Field::new(name, DataType::Float64, false)).collect();
+    let schema = Arc::new(Schema::new(fields));
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_created_by(concat!("sinscal ", env!("CARGO_PKG_VERSION")).into())
+        .build();
+    let mut writer = ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))?;
+    let bar = ProgressBar::new(simulation.samples());
+    let mut batch: Vec<Vec<f64>> = vec![Vec::with_capacity(ROWS); columns.len()];
+    let mut flush = |batch: &mut Vec<Vec<f64>>| -> io::Result<()> {
+        let rows = batch[0].len();
+        let arrays: Vec<ArrayRef> = batch
+            .iter_mut()
+            .map(|column| Arc::new(Float64Array::from(std::mem::take(column))) as ArrayRef)
+            .collect();
+        let written = RecordBatch::try_new(Arc::clone(&schema), arrays).map_err(io::Error::other)?;
+        writer.write(&written)?;
+        bar.inc(rows as u64);
+        Ok(())
+    };
+    for sample in simulation {
+        for (column, (_, of)) in batch.iter_mut().zip(&columns) {
+            column.push(of(&sample));
+        }
+        if batch[0].len() == ROWS {
+            flush(&mut batch)?;
+        }
+    }
+    if !batch[0].is_empty() {
+        flush(&mut batch)?;
+    }
+    bar.finish_and_clear();
+    writer.close()?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_follow_the_description() {
+        let simulation = Simulation::new(&rig::Scenario::default(), 1).expect("the default scenario");
+        let names: Vec<String> = columns(simulation.description()).into_iter().map(|(name, _)| name).collect();
+        assert_eq!(names.len(), 1 + 3 * 5 + 6);
+        assert_eq!(names[0], "time_s");
+        assert!(!names.iter().any(|name| name.starts_with("ref_quat")));
+    }
+}
