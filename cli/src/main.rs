@@ -8,6 +8,7 @@ mod broadcast;
 mod calibrate;
 mod campaign;
 mod demo;
+mod diagnose;
 mod effects;
 mod figures;
 mod filters;
@@ -41,6 +42,7 @@ enum Command {
     Demo(demo::Arguments),
     Simulate(simulate::Arguments),
     Calibrate(calibrate::Arguments),
+    Diagnose(diagnose::Arguments),
     Ablate(ablate::Arguments),
     Observe(observe::Arguments),
     Navigate(navigate::Arguments),
@@ -65,6 +67,7 @@ fn main() -> ExitCode {
         Command::Demo(arguments) => arguments.run(),
         Command::Simulate(arguments) => arguments.run(),
         Command::Calibrate(arguments) => arguments.run(),
+        Command::Diagnose(arguments) => arguments.run(),
         Command::Ablate(arguments) => arguments.run(),
         Command::Observe(arguments) => arguments.run(),
         Command::Navigate(arguments) => arguments.run(),

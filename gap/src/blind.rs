@@ -50,6 +50,22 @@ const OUTSIDE: &[(&str, f64)] = &[
 
 const NOT_EXCITED: &[&str] = &["gyro-rate-nonlinearity", "gyro-scale-asymmetry", "dither-size-effect"];
 
+impl Hidden {
+    /// In which row of the table a case counts.
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Nothing(gyro, accel) if *gyro == 1.0 && *accel == 1.0 => "nothing",
+            Self::Nothing(..) => "nothing, noise misstated",
+            Self::Effects(names, _) if names.len() > 1 => "pair",
+            Self::Effects(_, strength) if *strength < 10.0 => "single, 8 sigma",
+            Self::Effects(_, strength) if *strength < 50.0 => "single, 20 sigma",
+            Self::Effects(..) => "single, 80 sigma",
+            Self::Outside(..) => "outside",
+            Self::NotExcited(_) => "not excited",
+        }
+    }
+}
+
 /// A case: two logs of one unit, and what is hidden in them.
 #[derive(Clone, Debug)]
 pub struct Case {
@@ -108,7 +124,10 @@ impl Case {
             13..16 => {
                 let one = stream.below(EFFECTS.len());
                 let other = (one + 1 + stream.below(EFFECTS.len() - 1)) % EFFECTS.len();
-                Hidden::Effects(vec![EFFECTS[one.min(other)].0, EFFECTS[one.max(other)].0], strength.max(20.0))
+                Hidden::Effects(
+                    vec![EFFECTS[one.min(other)].0, EFFECTS[one.max(other)].0],
+                    strength.max(20.0),
+                )
             }
             16..19 => Hidden::Outside(OUTSIDE[stream.below(OUTSIDE.len())].0, strength.max(20.0)),
             _ => Hidden::NotExcited(NOT_EXCITED[stream.below(NOT_EXCITED.len())]),
@@ -163,7 +182,9 @@ impl Case {
         let silent = matches!(d.verdict, Verdict::NothingMissing);
         let listed = |truth: &[&str]| {
             d.ambiguous.len() <= 3
-                && d.ambiguous.iter().any(|s| s.len() == truth.len() && truth.iter().all(|t| s.iter().any(|n| n == t)))
+                && d.ambiguous
+                    .iter()
+                    .any(|s| s.len() == truth.len() && truth.iter().all(|t| s.iter().any(|n| n == t)))
         };
         match &self.hidden {
             Hidden::Nothing(..) => match d.verdict {
@@ -205,6 +226,120 @@ impl Case {
     }
 }
 
+/// Counts of a series of trials.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// Kind of case, grade, how many.
+    counts: Vec<(&'static str, Grade, usize)>,
+}
+
+impl Table {
+    fn add(&mut self, kind: &'static str, grade: Grade) {
+        match self.counts.iter_mut().find(|c| c.0 == kind && c.1 == grade) {
+            Some(count) => count.2 += 1,
+            None => self.counts.push((kind, grade, 1)),
+        }
+    }
+
+    /// How many cases ended with `grade`.
+    pub fn count(&self, grade: Grade) -> usize {
+        self.counts.iter().filter(|c| c.1 == grade).map(|c| c.2).sum()
+    }
+
+    /// Number of cases.
+    pub fn cases(&self) -> usize {
+        self.counts.iter().map(|c| c.2).sum()
+    }
+
+    /// Mean score; 1 is perfect.
+    pub fn score(&self) -> f64 {
+        self.counts.iter().map(|c| c.1.points() * c.2 as f64).sum::<f64>() / self.cases().max(1) as f64
+    }
+}
+
+/// Bounds that hold the true rate with 95 % (Wilson), of `k` out of `n`.
+fn wilson(k: usize, n: usize) -> (f64, f64) {
+    let (k, n, z) = (k as f64, n.max(1) as f64, 1.959_963_984_540_054);
+    let centre = (k + z * z / 2.0) / (n + z * z);
+    let half = z / (n + z * z) * (k * (n - k) / n + z * z / 4.0).sqrt();
+    ((centre - half).max(0.0), (centre + half).min(1.0))
+}
+
+impl core::fmt::Display for Table {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        const GRADES: [Grade; 5] = [Grade::Right, Grade::Half, Grade::Miss, Grade::Wrong, Grade::Alarm];
+        writeln!(
+            f,
+            "{:26} {:>6} {:>6} {:>6} {:>6} {:>6}",
+            "hidden", "right", "half", "miss", "wrong", "alarm"
+        )?;
+        let mut kinds: Vec<&str> = self.counts.iter().map(|c| c.0).collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        for kind in kinds {
+            write!(f, "{kind:26}")?;
+            for grade in GRADES {
+                let n: usize = self.counts.iter().filter(|c| c.0 == kind && c.1 == grade).map(|c| c.2).sum();
+                write!(f, " {n:6}")?;
+            }
+            writeln!(f)?;
+        }
+        write!(f, "{:26}", "all")?;
+        for grade in GRADES {
+            write!(f, " {:6}", self.count(grade))?;
+        }
+        writeln!(f)?;
+        for (grade, name) in
+            [(Grade::Right, "right"), (Grade::Wrong, "wrong names"), (Grade::Alarm, "alarms")]
+        {
+            let (low, high) = wilson(self.count(grade), self.cases());
+            writeln!(f, "{name}: {:.1} % to {:.1} % (95 %)", 100.0 * low, 100.0 * high)?;
+        }
+        write!(f, "score {:.3} over {} cases", self.score(), self.cases())
+    }
+}
+
+/// Why a trial could not be made.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum TrialError {
+    /// The rig refused a scenario.
+    #[error("seed {seed}: {source}")]
+    Scenario {
+        /// Of which case.
+        seed: u64,
+        /// Why.
+        source: ScenarioError,
+    },
+    /// The diagnosis failed.
+    #[error("seed {seed}: {source}")]
+    Diagnosis {
+        /// Of which case.
+        seed: u64,
+        /// Why.
+        source: Error,
+    },
+}
+
+/// Draws and diagnoses the cases of `seeds`, telling `seen` of each.
+///
+/// # Errors
+/// When a case cannot be simulated or diagnosed.
+pub fn self_test(
+    seeds: core::ops::Range<u64>,
+    options: &Options,
+    seen: &mut dyn FnMut(&Case, &Diagnosis, Grade),
+) -> Result<Table, TrialError> {
+    let mut table = Table::default();
+    for seed in seeds {
+        let case = Case::draw(seed).map_err(|source| TrialError::Scenario { seed, source })?;
+        let d = case.diagnose(options).map_err(|source| TrialError::Diagnosis { seed, source })?;
+        let grade = case.grade(&d);
+        table.add(case.hidden.kind(), grade);
+        seen(&case, &d, grade);
+    }
+    Ok(table)
+}
+
 fn simulate(
     seed: u64,
     filter: &str,
@@ -212,12 +347,18 @@ fn simulate(
     names: &[&str],
     second: bool,
 ) -> Result<(Vec<Sample>, rig::Description), ScenarioError> {
-    let mut scenario = Scenario::default();
+    let mut scenario = Scenario::default().with_rate(25.0)?;
     let own = |name: &str| {
         matches!(
             name,
-            "gyro-scale" | "gyro-misalignment" | "gyro-bias" | "accel-scale" | "accel-misalignment" | "accel-bias"
-                | "accel-quadratic" | "outer-lever-arm"
+            "gyro-scale"
+                | "gyro-misalignment"
+                | "gyro-bias"
+                | "accel-scale"
+                | "accel-misalignment"
+                | "accel-bias"
+                | "accel-quadratic"
+                | "outer-lever-arm"
         ) || filter == "39d-p" && name == "inner-lever-arm"
     };
     let dithers = names.contains(&"dither-size-effect");

@@ -10,7 +10,7 @@ use sinscal::{Setup, effect};
 ///
 /// ```
 /// # use sinscal::prelude::*;
-/// # type MyEffect = AccelBiasDrift;
+/// # type MyEffect = Dither;
 /// #[derive(StateBlocks)]
 /// #[group]
 /// struct Mine {

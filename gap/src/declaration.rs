@@ -38,7 +38,7 @@ pub fn declaration(base: &BaseFilter, effects: &[&str]) -> String {
     for effect in effects {
         let block = if *effect == "dither-size-effect" && with_inner { "dither" } else { effect };
         fields += &format!("    {}: {},\n", block.replace('-', "_"), type_name(block));
-        name += &format!("+{effect}");
+        name += &format!("-{effect}");
         of_type += &type_name(effect);
     }
     format!(
@@ -67,7 +67,7 @@ mod tests {
         assert_eq!(
             source,
             "use sinscal::prelude::*;\n\n/// 43d-p with dither-size-effect.\n#[derive(Debug, StateBlocks)]\n\
-             #[filter(name = \"43d-p+dither-size-effect\", measures(velocity, position))]\n\
+             #[filter(name = \"43d-p-dither-size-effect\", measures(velocity, position))]\n\
              pub struct Sins43PDitherSizeEffect {\n    #[base]\n    base: sinscal::Sins43P,\n    dither: Dither,\n}\n"
         );
         assert_eq!(type_name("gyro-g-sensitivity"), "GyroGSensitivity");

@@ -7,7 +7,7 @@ use crate::decide::{Decision, decide};
 use crate::declaration::declaration;
 use crate::excite::indistinguishable;
 use crate::linear::{FreeRun, Noise, Recorded, run_free};
-use crate::locate::locate;
+use crate::locate::{locate, locate_family};
 use crate::open::Open;
 use crate::report::{Diagnosis, FoundEffect, Gap, LogGap, NoiseScale, Rival, Verdict};
 use crate::run::{Declared, Log, Machine, Ran};
@@ -59,7 +59,7 @@ pub enum Error {
 }
 
 impl Error {
-    fn of(log: &'static str, error: SceneError) -> Self {
+    pub(crate) fn of(log: &'static str, error: SceneError) -> Self {
         match error {
             SceneError::Diverged(source) => Self::Diverged { log, source },
             SceneError::TooShort { updates } => Self::TooShort { log, updates },
@@ -166,7 +166,7 @@ fn workflow(
         progress("running the filter with what was found", 0.7);
         rerun(machine, log, verify, &first, second.as_ref(), &decision, &mut d)?;
     }
-    d.sentence = say::sentence(&d, decision.reason.as_deref());
+    d.sentence = say::sentence(&d, decision.best.gain, decision.reason.as_deref());
     progress("done", 1.0);
     Ok(d)
 }
@@ -210,7 +210,12 @@ fn report(
         }
     }
     let next_run = pairs.iter().filter_map(|p| say::advice(&p.effect, &p.other)).collect();
-    let (places, evidence) = locate(first, best);
+    let (places, evidence) = match (open, decision.correlates.first()) {
+        (Some(open), Some(family)) if decision.verdict == Verdict::OutsideLibrary => {
+            locate_family(first, open, *family)
+        }
+        _ => locate(first, best),
+    };
     let base = machine.base();
     let source =
         confirmed.then(|| declaration(&base, &names(best).iter().map(String::as_str).collect::<Vec<_>>()));
@@ -244,6 +249,9 @@ fn report(
         effects(first, second, decision, &mut d);
     }
     notes(first, second, open, decision, &mut d);
+    for pair in &d.indistinguishable {
+        d.notes.push(format!("on this path {} cannot be told apart from {}", pair[0], pair[1]));
+    }
     d
 }
 
@@ -283,7 +291,6 @@ fn effects(first: &Scene, second: Option<&Scene>, decision: &Decision, d: &mut D
 fn rivals(first: &Scene, best: &[usize]) -> Vec<Rival> {
     let prices = &first.prices;
     let ln10 = core::f64::consts::LN_10;
-    let chosen = prices.gain(best);
     let mut table: Vec<Rival> = prices
         .all()
         .into_iter()
@@ -305,7 +312,6 @@ fn rivals(first: &Scene, best: &[usize]) -> Vec<Rival> {
         })
         .collect();
     table.sort_by(|a, b| b.gain_alone.total_cmp(&a.gain_alone));
-    debug_assert!(chosen.is_finite());
     table
 }
 
@@ -329,6 +335,10 @@ fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
         ));
     }
     if let Some(v) = &decision.verification {
+        for (g, _) in decision.best.groups.iter().zip(&v.same).filter(|(_, same)| !**same) {
+            let name = &first.prices.groups[*g].name;
+            note(format!("{name} has another value in the second log: see the estimates"));
+        }
         let total = say::power(v.ln_e);
         note(format!("on the second log the set as a whole has the e-value {total}"));
     }

@@ -112,8 +112,14 @@ pub(crate) struct Dictionary<'a> {
 impl<'a> Dictionary<'a> {
     /// Families for a recording, and the recorded columns `library` after them.
     pub(crate) fn new(recording: &Recording, library: &'a [usize]) -> Self {
-        let mut new =
-            Self { entries: Vec::new(), groups: Vec::new(), sigma: Vec::new(), units: Vec::new(), rms: Vec::new(), library };
+        let mut new = Self {
+            entries: Vec::new(),
+            groups: Vec::new(),
+            sigma: Vec::new(),
+            units: Vec::new(),
+            rms: Vec::new(),
+            library,
+        };
         for (triad, bias, families) in [("accelerometer", "accel-bias", ACCEL), ("gyro", "gyro-bias", GYRO)] {
             let columns: Vec<usize> = (0..recording.columns.len())
                 .filter(|c| recording.columns[*c].info.block == bias && recording.columns[*c].prior > 0.0)

@@ -1,4 +1,24 @@
-//! Finds the effect that a calibration filter lacks.
+//! Finds the effect that a calibration filter lacks: where prediction and measurement disagree, which effect is missing, and
+//! whether adding it shrinks the gap on data that was not used to choose it.
+//!
+//! [`diagnose`] is the whole workflow; it does no input or output. A log is run closed loop with every effect of the
+//! catalogue in the filter, and recorded once about that trajectory. From there everything is linear: the noise is fitted,
+//! every effect and every set of effects is priced from one run (Friedland's separate bias, exact), thresholds are
+//! simulated, the smallest adequate set is named and put to a second log, and what no effect explains is compared with a
+//! dictionary of products of what was measured. What was named is then added and really run.
+//!
+//! ```no_run
+//! use gap::{Log, Options, diagnose};
+//! use sinscal::Sins36P;
+//! # fn with(samples: &[sinscal::Sample], setup: &sinscal::Setup) -> Result<(), gap::Error> {
+//! let log = Log { samples, setup };
+//! let found = diagnose::<Sins36P>(&log, None, &Options::default(), &mut |stage, done| {
+//!     eprintln!("{:3.0} % {stage}", 100.0 * done);
+//! })?;
+//! println!("{}", found.sentence);
+//! # Ok(())
+//! # }
+//! ```
 
 #[cfg(feature = "blind")]
 pub mod blind;
@@ -15,6 +35,7 @@ mod name;
 mod noise;
 mod open;
 mod prices;
+mod pricing;
 mod random;
 mod recording;
 mod report;
@@ -29,6 +50,6 @@ pub use chi2::ln_survival;
 pub use declaration::{BaseFilter, declaration};
 pub use diagnose::{Error, Options, diagnose, diagnose_named, diagnose_with};
 pub use linear::Noise;
-pub use recording::{Column, Recording};
+pub use pricing::Pricing;
 pub use report::{Diagnosis, Evidence, FoundEffect, Gap, LogGap, NoiseScale, Place, Rival, Verdict};
 pub use run::Log;

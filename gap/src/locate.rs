@@ -1,7 +1,8 @@
 //! Where the missing effect shows: stretch by channel, and over time.
 
-use crate::dictionary::TURNING;
-use crate::linear::{Recorded, run};
+use crate::dictionary::{Dictionary, TURNING};
+use crate::linear::{Priced, Recorded, run};
+use crate::open::Open;
 use crate::report::{Evidence, Place};
 use crate::scene::Scene;
 
@@ -19,16 +20,34 @@ const CHANNELS: [&str; 9] = ["vel_e", "vel_n", "vel_u", "pos_e", "pos_n", "pos_u
 
 /// Matched-filter gain of `named` by stretch and channel, the strongest first, and its growth.
 pub(crate) fn locate(scene: &Scene, named: &[usize]) -> (Vec<Place>, Vec<Evidence>) {
+    match scene.prices.posterior(named) {
+        Some((mean, _)) if !named.is_empty() => {
+            map(scene, &Recorded(&scene.columns(named)), mean.as_slice()).unwrap_or_default()
+        }
+        _ => Default::default(),
+    }
+}
+
+/// The same for a family of the dictionary.
+pub(crate) fn locate_family(scene: &Scene, open: &Open, family: usize) -> (Vec<Place>, Vec<Evidence>) {
+    let dictionary = Dictionary::new(&scene.ran.recording, &[]);
+    let Some((found, _)) = open.prices.posterior(&[family]) else { return Default::default() };
+    let mut mean = vec![0.0; dictionary.own()];
+    for (m, value) in open.prices.groups[family].members.iter().zip(found.iter()) {
+        mean[*m] = *value;
+    }
+    map(scene, &dictionary, &mean).unwrap_or_default()
+}
+
+fn map(scene: &Scene, priced: &dyn Priced, mean: &[f64]) -> Option<(Vec<Place>, Vec<Evidence>)> {
     let recording = &scene.ran.recording;
-    let Some((mean, _)) = scene.prices.posterior(named) else { return Default::default() };
-    let columns = scene.columns(named);
-    let nc = 1 + columns.len();
+    let nc = 1 + priced.count();
     let bounds = stretches(scene);
     let mut gains = vec![[0.0; 9]; bounds.len()];
     let mut evidence = Vec::new();
     let (mut total, mut at, mut stretch) = (0.0, 0, 0);
     let every = (recording.updates() / POINTS).max(1);
-    let done = run(recording, &recording.base(), &Recorded(&columns), &scene.noise, &mut |whitened| {
+    run(recording, &recording.base(), priced, &scene.noise, &mut |whitened| {
         while stretch + 1 < bounds.len() && whitened.step.time > bounds[stretch].1 {
             stretch += 1;
         }
@@ -42,10 +61,7 @@ pub(crate) fn locate(scene: &Scene, named: &[usize]) -> (Vec<Place>, Vec<Evidenc
             evidence.push(Evidence { time_s: whitened.step.time, gain: total });
         }
         at += 1;
-    });
-    if done.is_none() {
-        return Default::default();
-    }
+    })?;
     let mut places = Vec::new();
     for (bound, gains) in bounds.iter().zip(&gains) {
         for (channel, gain) in gains.iter().enumerate() {
@@ -57,7 +73,7 @@ pub(crate) fn locate(scene: &Scene, named: &[usize]) -> (Vec<Place>, Vec<Evidenc
     }
     places.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     places.truncate(PLACES);
-    (places, evidence)
+    Some((places, evidence))
 }
 
 /// Still and turning stretches of the log in turn.

@@ -135,7 +135,8 @@ impl Open {
         if group.name.starts_with("step") {
             return 0.0;
         }
-        let Some(there) = other.prices.groups[..other.families].iter().position(|o| o.name == group.name) else {
+        let Some(there) = other.prices.groups[..other.families].iter().position(|o| o.name == group.name)
+        else {
             return 0.0;
         };
         let Some((mut mean, mut covariance)) = self.prices.posterior(&[g]) else { return 0.0 };

@@ -12,15 +12,15 @@ const SQUARE: usize = CORE * CORE;
 
 /// A parameter of the recorded filter, base or candidate.
 #[derive(Clone, Copy, Debug)]
-pub struct Column {
+pub(crate) struct Column {
     /// Name, component and unit.
-    pub info: StateInfo,
+    pub(crate) info: StateInfo,
     /// Prior standard deviation; zero when the column takes no part.
-    pub prior: f64,
+    pub(crate) prior: f64,
     /// Whether it belongs to the declared base filter.
-    pub base: bool,
+    pub(crate) base: bool,
     /// Value about which the pass was linearised.
-    pub about: f64,
+    pub(crate) about: f64,
 }
 
 /// From one measurement to the next: how the leading states moved, and what was measured at the end.
@@ -53,7 +53,7 @@ pub(crate) struct Motion {
 
 /// A pass over a log, linearised about one trajectory, with all candidates' columns.
 #[derive(Clone, Debug)]
-pub struct Recording {
+pub(crate) struct Recording {
     pub(crate) columns: Vec<Column>,
     /// Prior standard deviations of the leading states.
     pub(crate) start: [f64; CORE],
@@ -64,17 +64,17 @@ pub struct Recording {
 
 impl Recording {
     /// The parameters, in the order of the declaration, the candidates after those of the base filter.
-    pub fn columns(&self) -> &[Column] {
+    pub(crate) fn columns(&self) -> &[Column] {
         &self.columns
     }
 
     /// Number of measurement updates.
-    pub fn updates(&self) -> usize {
+    pub(crate) fn updates(&self) -> usize {
         self.steps.len()
     }
 
     /// Time of the first and of the last update, s.
-    pub fn span(&self) -> (f64, f64) {
+    pub(crate) fn span(&self) -> (f64, f64) {
         match (self.steps.first(), self.steps.last()) {
             (Some(first), Some(last)) => (first.time, last.time),
             _ => (0.0, 0.0),

@@ -37,15 +37,18 @@ pub(crate) fn power(ln: f64) -> String {
 }
 
 /// The verdict in a sentence.
-pub(crate) fn sentence(d: &Diagnosis, reason: Option<&str>) -> String {
+pub(crate) fn sentence(d: &Diagnosis, gain: f64, reason: Option<&str>) -> String {
     let because = reason.map_or(String::new(), |r| format!(": {r}"));
     match d.verdict {
         Verdict::NothingMissing => {
             let mut text = format!("Nothing is missing from {}: no known effect", d.base_filter);
             text += " and no combination of what was measured explains more than chance would.";
+            if !d.not_excited.is_empty() {
+                let _ = write!(text, " This path cannot show {}.", d.not_excited.join(", "));
+            }
             text
         }
-        Verdict::EffectsFound => found(d),
+        Verdict::EffectsFound => found(d, gain),
         Verdict::OutsideLibrary => {
             let with =
                 d.correlates_with.first().map_or(String::new(), |c| format!("; it correlates with {c}"));
@@ -56,8 +59,13 @@ pub(crate) fn sentence(d: &Diagnosis, reason: Option<&str>) -> String {
         }
         Verdict::Ambiguous => {
             let sets: Vec<String> = d.ambiguous.iter().map(|s| s.join(" + ")).collect();
-            let (verb, what) = if sets.len() > 1 { ("explain", "equally well") } else { ("explains", "but not alone") };
-            format!("Something is missing from {}; {} {verb} it {what}{because}.", d.base_filter, sets.join(" or "))
+            let (verb, what) =
+                if sets.len() > 1 { ("explain", "equally well") } else { ("explains", "but not alone") };
+            format!(
+                "Something is missing from {}; {} {verb} it {what}{because}.",
+                d.base_filter,
+                sets.join(" or ")
+            )
         }
         Verdict::NotConfirmed => match d.ambiguous.first() {
             Some(set) => {
@@ -68,10 +76,9 @@ pub(crate) fn sentence(d: &Diagnosis, reason: Option<&str>) -> String {
     }
 }
 
-fn found(d: &Diagnosis) -> String {
+fn found(d: &Diagnosis, gain: f64) -> String {
     let named: Vec<String> = d.effects.iter().map(describe).collect();
     let mut text = format!("Missing: {}.", named.join("; and "));
-    let gain: f64 = d.gap.map_or(0.0, |g| g.fit.log_likelihood_gain_priced);
     let least = d.effects.iter().map(|e| e.log_e_verify).fold(f64::INFINITY, f64::min);
     let (here, there) = if d.verified {
         ("here", "on the second run")

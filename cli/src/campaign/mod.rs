@@ -13,7 +13,6 @@ use std::time::Instant;
 use clap::{Args, Subcommand};
 use miette::{IntoDiagnostic, Report, Result, miette};
 use rayon::prelude::*;
-use rig::Scenario;
 use rig::scenario::MotionPlan;
 use study::{Plan, Summary, UnitResult};
 
@@ -22,7 +21,7 @@ use crate::ablate::run::FILTERS;
 use crate::broadcast::progress_bar;
 use crate::navigate::{ALIGNMENT, alignment};
 use crate::output::{self, Files};
-use crate::setup;
+use crate::{scenario, setup};
 
 /// Without a terminal the state of affairs is said at most this often, s.
 const REMARK: u64 = 30;
@@ -115,7 +114,7 @@ impl Arguments {
             filters.push(filter);
         }
         let plan = Plan {
-            scenario: scenario(self.scenario.as_deref())?,
+            scenario: scenario::load(self.scenario.as_deref())?,
             filters,
             passes: self.passes,
             hours: self.hours,
@@ -140,18 +139,10 @@ impl Arguments {
     }
 }
 
-/// The scenario in a file, or the default one.
-pub(crate) fn scenario(path: Option<&Path>) -> Result<Scenario> {
-    let Some(path) = path else { return Ok(Scenario::default()) };
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| miette!("{}: cannot be read: {error}", path.display()))?;
-    Scenario::parse(&text).map_err(|error| miette!("{}: {error}", path.display()))
-}
-
 /// The motion of the scenario in a file, or the paper's swing.
 pub(crate) fn motion(path: Option<&Path>) -> Result<MotionPlan> {
     match path {
-        Some(path) => Ok(scenario(Some(path))?.motion),
+        Some(path) => Ok(scenario::load(Some(path))?.motion),
         None => Plan::paper_swing().map_err(|error| miette!("the swing: {error}")),
     }
 }

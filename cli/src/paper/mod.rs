@@ -18,10 +18,10 @@ use study::{Plan, Summary, UnitResult};
 use self::figures::Traces;
 use crate::ablate::run::FILTERS;
 use crate::broadcast::progress_bar;
-use crate::campaign::{motion, scenario};
+use crate::campaign::motion;
 use crate::navigate::ALIGNMENT;
 use crate::observe::analysis::{Analysis, look};
-use crate::output;
+use crate::{output, scenario};
 
 /// Points of figure 3.
 const POINTS: u32 = 100;
@@ -77,7 +77,7 @@ impl Arguments {
         let started = Instant::now();
         let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
         let plan = Plan {
-            scenario: scenario(self.scenario.as_deref())?,
+            scenario: scenario::load(self.scenario.as_deref())?,
             filters: FILTERS.map(str::to_owned).to_vec(),
             passes: 2,
             hours: self.hours,

@@ -1,0 +1,151 @@
+//! `sinscal diagnose`: finds the effect that a filter lacks.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use gap::{Diagnosis, Options};
+use indicatif::{ProgressBar, ProgressStyle};
+use miette::{IntoDiagnostic, Result, miette};
+use sinscal::{FILTERS, InitialAttitude, Sample};
+
+use crate::log::Log;
+use crate::{output, setup};
+
+/// Name of the Rust file with the extended filter.
+const DECLARATION: &str = "extended_filter.rs";
+
+/// Find the effect that a filter lacks: where it shows, which it is, and whether adding it closes the gap
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// The log: path of its table or description, with or without ending
+    log: PathBuf,
+    /// The filter to begin with; `sinscal filters` lists them
+    #[arg(long, value_name = "NAME", ignore_case = true,
+          value_parser = PossibleValuesParser::new(FILTERS.iter().map(|filter| filter.name)))]
+    filter: String,
+    /// A second log of the same unit, on another path or day, to confirm what the first one shows
+    #[arg(long, value_name = "LOG2")]
+    verify: Option<PathBuf>,
+    /// Of the simulated thresholds
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Write the results as JSON; `-` writes them to standard output instead of the text
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write diagnosis.json, diagnosis.txt and the declaration of the extended filter to this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// A log in memory.
+struct Loaded {
+    log: Log,
+    samples: Vec<Sample>,
+    initial: InitialAttitude,
+}
+
+impl Loaded {
+    fn new(path: &Path) -> Result<Self> {
+        let log = Log::open(path)?;
+        for warning in log.warnings() {
+            output::remark(&format!("warning: {warning}"));
+        }
+        let initial = setup::initial(&log)?;
+        let samples = log.samples()?.collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { log, samples, initial })
+    }
+}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<()> {
+        let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
+        let filter = setup::filter(&self.filter)?;
+        let first = Loaded::new(&self.log)?;
+        let second = self.verify.as_deref().map(Loaded::new).transpose()?;
+
+        let first_setup = setup::of(&first.log, first.initial);
+        let second_setup = second.as_ref().map(|second| setup::of(&second.log, second.initial));
+        let log = gap::Log { samples: &first.samples, setup: &first_setup };
+        let verify = second
+            .as_ref()
+            .zip(second_setup.as_ref())
+            .map(|(second, setup)| gap::Log { samples: &second.samples, setup });
+        let bar = progress_bar();
+        let options = Options { seed: self.seed, ..Options::default() };
+        let found = gap::diagnose_named(filter.name, &log, verify.as_ref(), &options, &mut |stage, done| {
+            bar.set_message(stage);
+            bar.set_position((100.0 * done) as u64);
+        });
+        bar.finish_and_clear();
+        let mut found = found
+            .ok_or_else(|| miette!("there is no filter called {}", filter.name))?
+            .map_err(|error| miette!("{}: {error}", first.log.table().display()))?;
+        if let (Some(folder), Some(_)) = (&self.out, &found.source) {
+            found.declaration = Some(folder.join(DECLARATION).display().to_string());
+        }
+        let json = serde_json::to_string_pretty(&found).into_diagnostic()? + "\n";
+        target.write("diagnosis", &json, &text(&found), &found.sentence, |files, folder| {
+            match &found.source {
+                Some(source) => {
+                    files.write(&folder.join(DECLARATION), |file| file.write_all(source.as_bytes()))
+                }
+                None => Ok(()),
+            }
+        })
+    }
+}
+
+/// The finding for people: the sentence, then the evidence.
+fn text(found: &Diagnosis) -> String {
+    let mut text = format!("{}\n", found.sentence);
+    // Writing to a string does not fail.
+    for note in &found.notes {
+        let _ = writeln!(text, "- {note}");
+    }
+    let noise = &found.noise_scale;
+    let _ = writeln!(
+        text,
+        "\nnoise against the description: gyro {:.2}, accelerometer {:.2}, reference {:.2}",
+        noise.gyro, noise.accel, noise.reference
+    );
+    if !found.rivals.is_empty() {
+        let _ = writeln!(text, "\n{:28} {:>12} {:>12} {:>14}", "effect", "-log10 p", "after", "gain");
+        let mut rivals: Vec<_> = found.rivals.iter().collect();
+        rivals.sort_by(|a, b| b.gain_alone.total_cmp(&a.gain_alone));
+        for rival in rivals.into_iter().take(8) {
+            let _ = writeln!(
+                text,
+                "{:28} {:>12.1} {:>12.1} {:>14.1}",
+                rival.name, -rival.log10_p_before, -rival.log10_p_after, rival.gain_alone
+            );
+        }
+    }
+    if !found.r#where.is_empty() {
+        let _ = writeln!(text, "\n{:>10} {:>10}  {:10} {:>10}", "from s", "to s", "channel", "gain");
+        for place in found.r#where.iter().take(8) {
+            let _ = writeln!(
+                text,
+                "{:10.1} {:10.1}  {:10} {:10.1}",
+                place.start_s, place.end_s, place.channel, place.gain
+            );
+        }
+    }
+    for run in &found.next_run {
+        let _ = writeln!(text, "\nnext run: {run}");
+    }
+    if let Some(source) = &found.source {
+        let _ = writeln!(text, "\nthe filter with what was found:\n\n{source}");
+    }
+    text
+}
+
+/// A bar on standard error when that is a terminal, else nothing.
+fn progress_bar() -> ProgressBar {
+    let bar = ProgressBar::new(100);
+    match ProgressStyle::with_template("{msg:40} {wide_bar} {percent:>3} %") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}

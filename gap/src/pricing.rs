@@ -1,0 +1,83 @@
+//! Pricing by itself: what every effect is worth to a filter, from one run.
+
+use calib_core::{Extended, Filter};
+use sinscal::Strapdown;
+
+use crate::diagnose::Error;
+use crate::linear::{Noise, Recorded, run};
+use crate::noise;
+use crate::prices::Prices;
+use crate::recording::Recording;
+use crate::run::{Declared, Log, Machine};
+use crate::scene::SceneError;
+use crate::{CandidateStates, Candidates};
+
+/// The price of every candidate of a log, and of every set of them.
+///
+/// ```no_run
+/// # fn with(log: &gap::Log) -> Result<(), gap::Error> {
+/// let prices = gap::Pricing::of::<sinscal::Sins36P>(log, gap::Noise::STATED)?;
+/// println!("the delay gains {:?}", prices.gain(&["accel-delay"]));
+/// # Ok(())
+/// # }
+/// ```
+pub struct Pricing {
+    recording: Recording,
+    noise: Noise,
+    base: f64,
+    prices: Prices,
+}
+
+impl Pricing {
+    /// Prices the catalogue against filter `F`, about the trajectory of the filter with every effect.
+    ///
+    /// # Errors
+    /// When the filter diverges.
+    pub fn of<F>(log: &Log, noise: Noise) -> Result<Self, Error>
+    where
+        F: Filter<Dynamics = Strapdown>,
+        Extended<F, Candidates, CandidateStates>: Filter<Dynamics = Strapdown>,
+    {
+        let machine = Declared::<F, Candidates, CandidateStates>::new();
+        let recording =
+            machine.run(log, &|_| true).map_err(|e| Error::of("log", SceneError::Diverged(e)))?.recording;
+        let (base, prices) = noise::price(&recording, &noise).ok_or(Error::Indefinite { log: "log" })?;
+        Ok(Self { recording, noise, base, prices })
+    }
+
+    /// Names of the effects, in the order of the catalogue.
+    pub fn effects(&self) -> impl Iterator<Item = &str> {
+        self.prices.groups.iter().map(|g| g.name.as_str())
+    }
+
+    /// Log-likelihood of the base filter.
+    pub fn base(&self) -> f64 {
+        self.base
+    }
+
+    fn groups(&self, effects: &[&str]) -> Option<Vec<usize>> {
+        effects.iter().map(|e| self.prices.find(e)).collect()
+    }
+
+    /// What `effects` gain in log-likelihood; nothing when one is unknown. Exact for a linear filter.
+    pub fn gain(&self, effects: &[&str]) -> Option<f64> {
+        Some(self.prices.gain(&self.groups(effects)?))
+    }
+
+    /// The same by running the filter with `effects` in it, linearly about the same trajectory: what [`gain`](Self::gain)
+    /// saves.
+    pub fn gain_by_running(&self, effects: &[&str]) -> Option<f64> {
+        let groups = self.groups(effects)?;
+        let priced = self.recording.candidates();
+        let mut columns = self.recording.base();
+        columns.extend(self.prices.members(&groups).into_iter().map(|m| priced[m]));
+        let found = run(&self.recording, &columns, &Recorded(&[]), &self.noise, &mut |_| {})?;
+        Some(found.log_likelihood - self.base)
+    }
+
+    /// Estimates of `effects` and their standard deviations, component by component, SI.
+    pub fn estimate(&self, effects: &[&str]) -> Option<Vec<(f64, f64)>> {
+        let (mean, covariance) = self.prices.posterior(&self.groups(effects)?)?;
+        Some((0..mean.len()).map(|i| (mean[i], covariance[(i, i)].sqrt())).collect())
+    }
+}

@@ -1,0 +1,94 @@
+//! Trials with something hidden, and with nothing.
+
+use gap::blind::{Case, Grade, Hidden, self_test};
+use gap::{Diagnosis, Options, Verdict};
+
+const QUICK: Options = Options { seed: 1, false_alarms: 0.01, rerun: false };
+
+fn diagnose(seed: u64, hidden: Hidden, options: &Options) -> (Diagnosis, Grade) {
+    let case = Case::with(seed, hidden).unwrap();
+    let d = case.diagnose(options).unwrap();
+    let grade = case.grade(&d);
+    (d, grade)
+}
+
+#[test]
+fn a_delay_is_found_and_added() {
+    let hidden = Hidden::Effects(vec!["accel-delay"], 80.0);
+    let (d, grade) = diagnose(3, hidden, &Options { rerun: true, ..QUICK });
+    assert_eq!(grade, Grade::Right, "{}", d.sentence);
+    assert!(
+        d.verified && d.sentence.starts_with("Missing: accel-delay, d_f = tau (omega x f)"),
+        "{}",
+        d.sentence
+    );
+    let effect = &d.effects[0];
+    assert!((effect.estimate[0].abs() - 80.0 * 3.6e-6).abs() < 5.0 * effect.sigma[0]);
+    // the closed loop gains what pricing said, and the gap shrinks on the log that was not used
+    let gap = d.gap.unwrap();
+    let gained = gap.fit.log_likelihood_after - gap.fit.log_likelihood_before;
+    assert!((gained / gap.fit.log_likelihood_gain_priced - 1.0).abs() < 0.02, "{gap:?}");
+    let verify = gap.verify.unwrap();
+    assert!(verify.log_likelihood_after > verify.log_likelihood_before + 100.0);
+    assert!(verify.free_run_after < verify.free_run_before);
+    let source = d.source.as_deref().unwrap();
+    assert!(
+        source.contains("base: sinscal::Sins36P") && source.contains("accel_delay: AccelDelay"),
+        "{source}"
+    );
+    let json = serde_json::to_value(&d).unwrap();
+    assert_eq!(json["verdict"], "effects-found");
+    assert_eq!(json["effects"][0]["name"], "accel-delay");
+    assert!(json["where"].as_array().is_some_and(|places| !places.is_empty()));
+}
+
+#[test]
+fn nothing_is_found_where_nothing_is() {
+    let (d, _) = diagnose(5, Hidden::Nothing(1.0, 1.0), &QUICK);
+    assert_eq!(d.verdict, Verdict::NothingMissing, "{}", d.sentence);
+}
+
+#[test]
+fn misstated_noise_is_no_missing_effect() {
+    let (d, _) = diagnose(6, Hidden::Nothing(2.0, 0.5), &QUICK);
+    assert_eq!(d.verdict, Verdict::NothingMissing, "{}", d.sentence);
+    assert!((d.noise_scale.accel - 2.0).abs() < 0.6 && d.noise_scale.gyro < 0.8, "{:?}", d.noise_scale);
+}
+
+#[test]
+fn varying_dither_is_named_and_constant_dither_is_a_bias() {
+    let (d, grade) = diagnose(7, Hidden::Effects(vec!["dither-size-effect"], 20.0), &QUICK);
+    assert_eq!(grade, Grade::Right, "{}", d.sentence);
+    let source = d.source.unwrap();
+    assert!(source.contains("dither: Dither,") && source.contains("sinscal::Sins39P"), "{source}");
+
+    let (d, grade) = diagnose(7, Hidden::NotExcited("dither-size-effect"), &QUICK);
+    assert_eq!(grade, Grade::Right, "{}", d.sentence);
+    let pair = |p: &Vec<String>| p[0] == "dither-size-effect" && p[1] == "accel-bias";
+    assert!(d.indistinguishable.iter().any(pair), "{:?}", d.indistinguishable);
+    assert!(d.next_run.iter().any(|s| s.contains("dither amplitude")));
+}
+
+#[test]
+fn what_is_in_no_library_gets_no_name() {
+    let (d, grade) = diagnose(9, Hidden::Outside("accelerometer transient after rotation", 60.0), &QUICK);
+    assert_eq!(grade, Grade::Right, "{}", d.sentence);
+    assert!(
+        d.effects.is_empty() && d.correlates_with[0].contains("transient after rotation"),
+        "{:?}",
+        d.correlates_with
+    );
+}
+
+/// The table of the documentation; takes minutes.
+#[test]
+#[ignore = "minutes of trials: run with --release -- --ignored --nocapture"]
+fn many_trials() {
+    let table = self_test(1000..1120, &QUICK, &mut |case, d, grade| {
+        println!("{} {:?} {grade:?} {}", case.seed, case.hidden, d.sentence);
+    })
+    .unwrap();
+    println!("{table}");
+    assert_eq!(table.count(Grade::Wrong), 0);
+    assert!(table.count(Grade::Alarm) <= 1 && table.score() > 0.85);
+}
