@@ -112,11 +112,11 @@ macro_rules! declared {
 }
 
 declared! {
-    Sins36P: 1, "gyro and accelerometer errors, outer lever arm";
-    Sins39P: 1, "36d-p and inner lever arm";
-    Sins40P: 1, "39d-p and accelerometer delay";
-    Sins43P: 1, "40d-p and accelerometer temperature scale factor";
-    Sins43B: 1, "43d-p with the dither coupling of the inner lever arm";
+    Sins36P: 2, "gyro and accelerometer errors, outer lever arm";
+    Sins39P: 2, "36d-p and inner lever arm";
+    Sins40P: 2, "39d-p and accelerometer delay";
+    Sins43P: 2, "40d-p and accelerometer temperature scale factor";
+    Sins43B: 2, "43d-p with the dither coupling of the inner lever arm";
     Mems30: 3, "a MEMS unit carried by hand, velocity known when still";
     Tracked35: 3, "a MEMS unit tracked by position and attitude";
 }
@@ -130,8 +130,9 @@ pub struct FilterInfo {
     pub states: usize,
     /// What it holds, in a few words.
     pub about: &'static str,
-    /// Passes over a log that a unit of its class needs. Scale errors of 1e-4 are found in one, since the loop is closed;
-    /// those of a MEMS unit, 1e-2, must be linearised about what was found before.
+    /// Passes over a log that a unit of its class needs. One leaves up to half a sigma in the scale factors of a good unit:
+    /// until the first turn a tilt of 0.03 deg is taken for accelerometer biases, and acts to second order. The second
+    /// removes it. Errors of 1e-2, those of a MEMS unit, take a third.
     pub passes: u32,
     measures: &'static [usize],
     describe: fn(&mut dyn FnMut(StateInfo)),

@@ -132,13 +132,29 @@ fn text(found: &Diagnosis) -> String {
             );
         }
     }
-    for run in &found.next_run {
-        let _ = writeln!(text, "\nnext run: {run}");
-    }
+    next_runs(found, &mut text);
     if let Some(source) = &found.source {
         let _ = writeln!(text, "\nthe filter with what was found:\n\n{source}");
     }
     text
+}
+
+/// What the next run should do: one line for each way to run, with the pairs that it would tell apart.
+fn next_runs(found: &Diagnosis, text: &mut String) {
+    let mut ways: Vec<(&str, Vec<&str>)> = Vec::new();
+    for line in &found.next_run {
+        let (pair, way) = line.split_once(": ").unwrap_or(("", line));
+        match ways.iter_mut().find(|(known, _)| *known == way) {
+            Some((_, pairs)) => pairs.push(pair),
+            None => ways.push((way, vec![pair])),
+        }
+    }
+    if !ways.is_empty() {
+        text.push_str("\nwhat another run could tell apart:\n");
+    }
+    for (way, pairs) in ways {
+        let _ = writeln!(text, "- {way} ({})", pairs.join("; "));
+    }
 }
 
 /// A bar on standard error when that is a terminal, else nothing.

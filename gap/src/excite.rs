@@ -2,8 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use crate::linear::{Recorded, run};
+use crate::linear::{Noise, Recorded, run};
 use crate::prices::{Prices, groups_of};
+use crate::recording::Recording;
 use crate::scene::{EXCITED, Scene};
 
 /// Two effects are the same to a path that leaves less than this part of what one says once the other is free.
@@ -22,14 +23,7 @@ pub(crate) struct Pair {
 pub(crate) fn indistinguishable(scene: &Scene) -> Vec<Pair> {
     let recording = &scene.ran.recording;
     let base = recording.base();
-    let mut priced = base.clone();
-    priced.extend(recording.candidates());
-    let Some(found) = run(recording, &[], &Recorded(&priced), &scene.noise, &mut |_| {}) else {
-        return Vec::new();
-    };
-    let sigma: Vec<f64> = priced.iter().map(|c| recording.columns[*c].prior).collect();
-    let groups = groups_of(&recording.columns, &priced);
-    let everything = Prices::new(&found.gram, sigma, groups);
+    let Some(everything) = information(recording, &scene.noise) else { return Vec::new() };
     let of_base = |g: usize| everything.groups[g].members.iter().all(|m| *m < base.len());
     let all = everything.all();
     let (own, candidates): (Vec<usize>, Vec<usize>) = all.into_iter().partition(|g| of_base(*g));
@@ -60,6 +54,15 @@ pub(crate) fn indistinguishable(scene: &Scene) -> Vec<Pair> {
         }
     }
     pairs
+}
+
+/// What a recording says of base parameters and candidates alike, base parameters first.
+pub(crate) fn information(recording: &Recording, noise: &Noise) -> Option<Prices> {
+    let mut priced = recording.base();
+    priced.extend(recording.candidates());
+    let found = run(recording, &[], &Recorded(&priced), noise, &mut |_| {})?;
+    let sigma: Vec<f64> = priced.iter().map(|c| recording.columns[*c].prior).collect();
+    Some(Prices::new(&found.gram, sigma, groups_of(&recording.columns, &priced)))
 }
 
 /// The part of a group's information that is left in its worst direction, of those that show at all.

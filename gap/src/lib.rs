@@ -31,6 +31,8 @@ mod dictionary;
 mod excite;
 mod linear;
 mod locate;
+#[cfg(feature = "blind")]
+pub mod menu;
 mod name;
 mod noise;
 mod open;

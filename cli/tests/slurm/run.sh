@@ -12,6 +12,7 @@ started=""
 stop() {
     # in the opposite order, and only what was started here
     for pid in $started; do kill "$pid" 2>/dev/null || true; done
+    wait
     rm -rf "$work"
 }
 trap stop EXIT
@@ -58,8 +59,8 @@ NodeName=$host NodeAddr=127.0.0.1 CPUs=$(nproc) State=UNKNOWN
 PartitionName=all Nodes=$host Default=YES MaxTime=INFINITE State=UP
 CONF
 export SLURM_CONF="$work/slurm.conf"
-touch "$work/cgroup.conf"
-echo "CgroupPlugin=disabled" >"$work/cgroup.conf"
+# no controller is asked for: the plugin of version 1 then touches nothing, where that of version 2 wants systemd
+echo "CgroupPlugin=cgroup/v1" >"$work/cgroup.conf"
 sleep 1
 slurmctld -D -f "$SLURM_CONF" &
 started="$! $started"

@@ -1,0 +1,117 @@
+//! Which run would tell two effects apart: chosen by their information from a menu of paths, each simulated.
+
+use calib_core::{Extended, Filter};
+use rig::motion::Turn;
+use rig::scenario::Path;
+use rig::{DitherMode, Scenario, ScenarioError, Simulation, TemperatureProfile};
+use sinscal::{Sample, Strapdown};
+
+use crate::excite::information;
+use crate::linear::Noise;
+use crate::run::{Declared, Log, Machine};
+use crate::scene::SceneError;
+use crate::{CandidateStates, Candidates, Error};
+
+/// A run of the menu, and how well it would show an effect beside another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proposal {
+    /// What to do.
+    pub run: &'static str,
+    /// Standard deviations that an effect of its prior's size would show in its worst direction, with everything else in the
+    /// filter and the other effect free.
+    pub shows: f64,
+}
+
+/// Why no proposal can be made.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum ProposalError {
+    /// The rig refused a scenario.
+    #[error("a run of the menu cannot be simulated: {0}")]
+    Scenario(#[from] ScenarioError),
+    /// A filter diverged.
+    #[error(transparent)]
+    Diagnosis(#[from] Error),
+}
+
+type Change = fn(&mut Scenario);
+
+const MENU: &[(&str, Change)] = &[
+    ("the eighteen rotations at 10 deg/s", |_| {}),
+    ("nineteen positions", |s| s.motion.path = Path::NineteenPositions),
+    ("the eighteen rotations at 60 deg/s", |s| s.motion.rate = 60_f64.to_radians()),
+    ("rotations to 45 deg positions about all axes", |s| s.motion.path = Path::Turns(turns(45.0, 1.0))),
+    ("rotations at 5, 20 and 60 deg/s in both senses", |s| s.motion.path = Path::Turns(turns(360.0, 4.0))),
+    ("the eighteen rotations while the temperature rises and falls", |s| {
+        s.temperature.profile =
+            TemperatureProfile::Ramps(vec![(0.0, 15.0), (500.0, 45.0), (1100.0, 20.0), (1700.0, 35.0)]);
+    }),
+    ("the eighteen rotations with the dither amplitude changed by 30 %", |s| {
+        s.dither.change = 0.3;
+        s.dither.period = 1200.0;
+    }),
+];
+
+/// Turns by `angle` about each axis, forward and back; with `spread` also at a quarter and six times the rate.
+fn turns(angle: f64, spread: f64) -> Vec<Turn> {
+    let mut list = Vec::new();
+    let rates: &[f64] = if spread > 1.0 { &[5.0, 20.0, 60.0] } else { &[10.0] };
+    for (i, axis) in (0..3).map(|i| (i, rig::motion::Axis::Body(i))) {
+        for rate in rates {
+            // an odd number of steps one way leaves the next axis another attitude to start from
+            for k in 0..if spread > 1.0 { 2 } else { 7 + i } {
+                let sense = if spread > 1.0 && k % 2 == 1 { -1.0 } else { 1.0 };
+                let angle = (sense * angle).to_radians();
+                list.push(Turn { axis, angle, rate: rate.to_radians(), dwell: 50.0 });
+            }
+        }
+    }
+    list
+}
+
+/// The runs of the menu for filter `F`, the one that shows `effect` best beside `other` first.
+///
+/// # Errors
+/// When a run cannot be simulated or the filter diverges.
+pub fn propose<F>(effect: &str, other: &str) -> Result<Vec<Proposal>, ProposalError>
+where
+    F: Filter<Dynamics = Strapdown>,
+    Extended<F, Candidates, CandidateStates>: Filter<Dynamics = Strapdown>,
+{
+    let machine = Declared::<F, Candidates, CandidateStates>::new();
+    let mut all = Vec::new();
+    for (run, change) in MENU {
+        let mut scenario = Scenario::default().with_rate(20.0)?.modelled_by::<F>();
+        scenario.motion.still = 100.0;
+        scenario.motion.dwell = 50.0;
+        scenario.temperature.profile = TemperatureProfile::Constant(30.0);
+        scenario.dither.mode = DitherMode::Mean;
+        scenario.dither.change = 0.0;
+        change(&mut scenario);
+        let simulation = Simulation::new(&scenario, 1)?;
+        let description = simulation.description().clone();
+        let samples: Vec<Sample> = simulation.collect();
+        let setup = description.setup(&[]);
+        let ran = machine
+            .run(&Log { samples: &samples, setup: &setup }, &|_| true)
+            .map_err(|e| Error::of("menu", SceneError::Diverged(e)))?;
+        let shows = shown(&ran.recording, effect, other).unwrap_or(0.0);
+        all.push(Proposal { run, shows });
+    }
+    all.sort_by(|a, b| b.shows.total_cmp(&a.shows));
+    Ok(all)
+}
+
+fn shown(recording: &crate::recording::Recording, effect: &str, other: &str) -> Option<f64> {
+    let everything = information(recording, &Noise::STATED)?;
+    let base = recording.base().len();
+    let mut free: Vec<usize> = everything
+        .all()
+        .into_iter()
+        .filter(|g| everything.groups[*g].members.iter().all(|m| *m < base))
+        .collect();
+    let g = everything.find(effect)?;
+    if let Some(other) = everything.find(other).filter(|o| !free.contains(o)) {
+        free.push(other);
+    }
+    Some(everything.given(&free)?.excitation(g).1)
+}
