@@ -48,9 +48,14 @@ pub(crate) struct Figure {
 }
 
 impl Figure {
+    /// Writes `FILE.svg` to a folder.
+    pub(crate) fn draw(&self, files: &mut Files, folder: &Path) -> Result<()> {
+        files.write(&folder.join(format!("{}.svg", self.file)), |out| out.write_all(self.svg().as_bytes()))
+    }
+
     /// Writes `FILE.svg` and `FILE.csv` to a folder.
     pub(crate) fn write(&self, files: &mut Files, folder: &Path) -> Result<()> {
-        files.write(&folder.join(format!("{}.svg", self.file)), |out| out.write_all(self.svg().as_bytes()))?;
+        self.draw(files, folder)?;
         files.write(&folder.join(format!("{}.csv", self.file)), |out| self.csv(out))
     }
 

@@ -9,6 +9,7 @@ mod calibrate;
 mod campaign;
 mod demo;
 mod diagnose;
+mod draw;
 mod effects;
 mod figures;
 mod filters;

@@ -124,6 +124,8 @@ impl Case {
             13..16 => {
                 let one = stream.below(EFFECTS.len());
                 let other = (one + 1 + stream.below(EFFECTS.len() - 1)) % EFFECTS.len();
+                // the filter that dither is hidden from knows the inner lever arms
+                let (one, other) = if one + other == 1 { (1, 2) } else { (one, other) };
                 Hidden::Effects(
                     vec![EFFECTS[one.min(other)].0, EFFECTS[one.max(other)].0],
                     strength.max(20.0),

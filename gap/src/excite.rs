@@ -7,7 +7,8 @@ use crate::prices::{Prices, groups_of};
 use crate::recording::Recording;
 use crate::scene::{EXCITED, Scene};
 
-/// Two effects are the same to a path that leaves less than this part of what one says once the other is free.
+/// Two effects are the same to a path that leaves less than this part of what one says once the other is free, and too little
+/// for an effect of its prior's size to show.
 const LEFT: f64 = 0.05;
 
 /// Two effects that a path cannot tell apart.
@@ -36,7 +37,8 @@ pub(crate) fn indistinguishable(scene: &Scene) -> Vec<Pair> {
             if before.excitation(g).0 < EXCITED {
                 continue;
             }
-            if left(before, &after, g) < LEFT {
+            // with much said to begin with, a twentieth of it may still be plenty
+            if left(before, &after, g) < LEFT && after.excitation(g).1 < EXCITED {
                 let name = |g: usize| everything.groups[g].name.clone();
                 pairs.push(Pair { effect: name(g), other: name(other) });
             }

@@ -143,7 +143,13 @@ impl FilterSummary {
 impl Percentiles {
     fn new(values: &[f64]) -> Option<Self> {
         let at = |p| percentile(values, p);
-        (!values.is_empty()).then(|| Self { p05: at(0.05), p25: at(0.25), p50: at(0.5), p75: at(0.75), p95: at(0.95) })
+        (!values.is_empty()).then(|| Self {
+            p05: at(0.05),
+            p25: at(0.25),
+            p50: at(0.5),
+            p75: at(0.75),
+            p95: at(0.95),
+        })
     }
 }
 
@@ -154,7 +160,9 @@ impl ParameterSummary {
         let sigmas: Vec<f64> = all.iter().map(|parameter| parameter.sigma).collect();
         let scaled: Vec<f64> = errors.iter().zip(&sigmas).map(|(error, sigma)| error / sigma).collect();
         let converged: Vec<f64> = all.iter().map(|parameter| parameter.converged_s).collect();
-        let named = |text: fn(&crate::ParameterResult) -> &String| all.first().map_or_else(String::new, |p| text(p).clone());
+        let named = |text: fn(&crate::ParameterResult) -> &String| {
+            all.first().map_or_else(String::new, |p| text(p).clone())
+        };
         Self {
             name: named(|parameter| &parameter.name),
             component: named(|parameter| &parameter.component),

@@ -90,7 +90,8 @@ impl Plan {
         let mut filters = Vec::new();
         for name in &self.filters {
             let setup = description.setup(&[]);
-            let calibrate = Calibrate { samples: &samples, setup, truth: &truth, plan: self, watch: &mut *watch };
+            let calibrate =
+                Calibrate { samples: &samples, setup, truth: &truth, plan: self, watch: &mut *watch };
             let result = visit_filter(name, calibrate).ok_or_else(|| Trouble::Filter(name.clone()))?;
             filters.push(result.map_err(|error| Trouble::Diverged { unit, filter: name.clone(), error })?);
         }
@@ -124,7 +125,9 @@ impl Plan {
                 let same = |p: &&ParameterResult| p.name == info.block && p.component == info.component;
                 result.parameters.iter().find(same).map(|parameter| parameter.value)
             };
-            pilots.push(pilot(&result.filter, &setup, find).ok_or_else(|| Trouble::Filter(result.filter.clone()))?);
+            pilots.push(
+                pilot(&result.filter, &setup, find).ok_or_else(|| Trouble::Filter(result.filter.clone()))?,
+            );
         }
         let until = self.alignment.min(0.5 * self.hours * 3600.0);
         for sample in simulation.clone().take_while(|sample| sample.time <= until) {
@@ -144,11 +147,18 @@ impl Plan {
     }
 }
 
-fn step(unit: u64, pilots: &mut [Box<dyn Pilot>], sample: &Sample, watch: &mut dyn Watch) -> Result<(), Trouble> {
+fn step(
+    unit: u64,
+    pilots: &mut [Box<dyn Pilot>],
+    sample: &Sample,
+    watch: &mut dyn Watch,
+) -> Result<(), Trouble> {
     for pilot in pilots {
-        let compared = pilot
-            .step(sample)
-            .map_err(|error| Trouble::Diverged { unit, filter: pilot.filter().to_owned(), error })?;
+        let compared = pilot.step(sample).map_err(|error| Trouble::Diverged {
+            unit,
+            filter: pilot.filter().to_owned(),
+            error,
+        })?;
         if let Some(error) = compared {
             watch.error(pilot.filter(), sample.time, &error);
         }

@@ -204,12 +204,18 @@ fn merge(folders: &[PathBuf], json: Option<&Path>, out: Option<&Path>) -> Result
         }
         for unit in store.finished()? {
             let Some(result) = store.unit(unit) else {
-                output::remark(&format!("warning: {}: unit {unit} is damaged and left out", folder.display()));
+                output::remark(&format!(
+                    "warning: {}: unit {unit} is damaged and left out",
+                    folder.display()
+                ));
                 continue;
             };
             match results.get(&unit) {
                 Some(other) if *other != result => {
-                    return Err(miette!("{}: unit {unit} differs from that of another folder", folder.display()));
+                    return Err(miette!(
+                        "{}: unit {unit} differs from that of another folder",
+                        folder.display()
+                    ));
                 }
                 Some(_) => {}
                 None => {

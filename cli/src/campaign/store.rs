@@ -86,8 +86,9 @@ impl Store {
     /// What the results in the folder belong to.
     pub(super) fn identity(&self) -> Result<Identity> {
         let path = self.plan_path();
-        let text = fs::read_to_string(&path)
-            .map_err(|error| miette!("{}: cannot be read: {error}; is this a campaign's folder?", path.display()))?;
+        let text = fs::read_to_string(&path).map_err(|error| {
+            miette!("{}: cannot be read: {error}; is this a campaign's folder?", path.display())
+        })?;
         serde_json::from_str(&text).map_err(|error| miette!("{}: {error}", path.display()))
     }
 
@@ -112,8 +113,8 @@ impl Store {
     /// Numbers of the units in the folder.
     pub(super) fn finished(&self) -> Result<Vec<u64>> {
         let folder = self.units();
-        let entries =
-            fs::read_dir(&folder).map_err(|error| miette!("{}: cannot be read: {error}", folder.display()))?;
+        let entries = fs::read_dir(&folder)
+            .map_err(|error| miette!("{}: cannot be read: {error}", folder.display()))?;
         let mut units: Vec<u64> = entries
             .filter_map(|entry| {
                 let name = entry.ok()?.file_name().into_string().ok()?;

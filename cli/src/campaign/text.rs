@@ -24,12 +24,20 @@ pub(crate) fn verdict(summary: &Summary) -> String {
         }
         return text;
     }
-    let consistent: Vec<&str> =
-        summary.filters.iter().filter(|filter| filter.consistent).map(|filter| filter.filter.as_str()).collect();
+    let consistent: Vec<&str> = summary
+        .filters
+        .iter()
+        .filter(|filter| filter.consistent)
+        .map(|filter| filter.filter.as_str())
+        .collect();
     if consistent.is_empty() {
         format!("over {} units no filter knows its errors (NEES outside its 99 % band)", summary.units)
     } else {
-        format!("over {} units {} know their errors (NEES within its 99 % band)", summary.units, consistent.join(", "))
+        format!(
+            "over {} units {} know their errors (NEES within its 99 % band)",
+            summary.units,
+            consistent.join(", ")
+        )
     }
 }
 
@@ -95,7 +103,17 @@ fn parameters(text: &mut String, filter: &FilterSummary) {
     let _ = writeln!(
         text,
         "\n{}\n{:30} {:>10} {:>10} {:>10} {:9} {:>7} {:>5} {:>5} {:>5}  {:>10}",
-        filter.filter, "parameter", "bias", "RMS error", "its sigma", "unit", "NEES", "1 s", "2 s", "3 s", "converged"
+        filter.filter,
+        "parameter",
+        "bias",
+        "RMS error",
+        "its sigma",
+        "unit",
+        "NEES",
+        "1 s",
+        "2 s",
+        "3 s",
+        "converged"
     );
     for parameter in &filter.parameters {
         let (unit, scale) = sinscal::effect(&parameter.name)

@@ -79,6 +79,7 @@ pub(crate) fn navigate(log: &Log, calibrations: &[Calibrated], align: f64) -> Re
     Ok((flights, seconds))
 }
 
+#[allow(clippy::vec_box, reason = "other readers of a broadcast are of unlike types, so it takes boxes")]
 fn embark(log: &Log, initial: InitialAttitude, calibrations: &[Calibrated]) -> Result<Vec<Box<Traveller>>> {
     let setup = setup::of(log, initial);
     let table = log.table().display().to_string();

@@ -136,7 +136,7 @@ pub(crate) fn table(filter: &str, analysis: &Analysis) -> String {
     let _ = writeln!(
         text,
         "\ndegree of observability in five spans of {:.0} s, * above {EXCITED}; sigma to expect at the end\n{:28} {:>9} {:>9} \
-         {:>9} {:>9} {:>9} {:>9}  {:>12} {:>12} {}",
+         {:>9} {:>9} {:>9} {:>9}  {:>12} {:>12} unit",
         (analysis.spans[SPANS] - analysis.spans[0]) / SPANS as f64,
         "state",
         "1",
@@ -146,8 +146,7 @@ pub(crate) fn table(filter: &str, analysis: &Analysis) -> String {
         "5",
         "whole",
         "prior sigma",
-        "expected",
-        "unit"
+        "expected"
     );
     let last = analysis.states.len().saturating_sub(LAST);
     for (i, state) in analysis.states.iter().enumerate() {

@@ -7,7 +7,8 @@ use miette::Result;
 use nalgebra::Vector3;
 use study::{FilterResult, Watch};
 
-use super::Findings;
+use super::{Findings, size_effect};
+use crate::draw::{Curve, Figure, Style};
 use crate::observe::analysis::SPANS;
 use crate::observe::report::name;
 use crate::output::Files;
@@ -51,38 +52,74 @@ impl Watch for Traces {
 
 /// Files of the figures, and what they show by the names of the parameters in them.
 const PARAMETERS: [(&str, &[&str]); 8] = [
-    ("figure-07-gyro-scale.csv", &["gyro-scale"]),
-    ("figure-08-gyro-misalignment.csv", &["gyro-misalignment"]),
-    ("figure-09-accel-scale.csv", &["accel-scale"]),
-    ("figure-10-accel-misalignment.csv", &["accel-misalignment"]),
-    ("figure-11-accel-quadratic.csv", &["accel-quadratic"]),
-    ("figure-12-lever-arms.csv", &["outer-lever-arm", "inner-lever-arm"]),
-    ("figure-13-accel-delay.csv", &["accel-delay"]),
-    ("figure-14-accel-temperature-scale.csv", &["accel-temperature-scale"]),
+    ("figure-07-gyro-scale", &["gyro-scale"]),
+    ("figure-08-gyro-misalignment", &["gyro-misalignment"]),
+    ("figure-09-accel-scale", &["accel-scale"]),
+    ("figure-10-accel-misalignment", &["accel-misalignment"]),
+    ("figure-11-accel-quadratic", &["accel-quadratic"]),
+    ("figure-12-lever-arms", &["outer-lever-arm", "inner-lever-arm"]),
+    ("figure-13-accel-delay", &["accel-delay"]),
+    ("figure-14-accel-temperature-scale", &["accel-temperature-scale"]),
 ];
 
 /// Writes all figures.
 pub(super) fn write(findings: &Findings, files: &mut Files, folder: &Path) -> Result<()> {
-    files.write(&folder.join("figure-03-delay.csv"), |out| figure_3(findings, out))?;
+    for figure in size_effect::figures().iter().chain(&size_effect::delay_figures(&findings.delay_errors)) {
+        figure.write(files, folder)?;
+    }
     files.write(&folder.join("figure-05-observability.csv"), |out| figure_5(findings, out))?;
     let shown = findings.first.filters.iter().find(|filter| filter.filter == SHOWN);
     if let Some(shown) = shown {
         for (file, blocks) in PARAMETERS {
-            files.write(&folder.join(file), |out| parameters(findings, shown, blocks, out))?;
+            files.write(&folder.join(format!("{file}.csv")), |out| parameters(findings, shown, blocks, out))?;
+            convergence(findings, shown, file, blocks).draw(files, folder)?;
         }
     }
+    navigation(findings).draw(files, folder)?;
     files.write(&folder.join("figure-15-errors.csv"), |out| figure_15(findings, out))
 }
 
-fn figure_3(findings: &Findings, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "time_s,velocity_e,velocity_n,velocity_u,position_e,position_n,position_u,simulated_velocity_n,simulated_position_n")?;
-    for errors in &findings.delay_errors {
-        let (v, p) = (&errors.velocity, &errors.position);
-        let (sv, sp) = (errors.simulated_velocity.y, errors.simulated_position.y);
-        let time = errors.time;
-        writeln!(out, "{time},{:e},{:e},{:e},{:e},{:e},{:e},{sv:e},{sp:e}", v.x, v.y, v.z, p.x, p.y, p.z)?;
+/// Estimates of some parameters over time with their three sigmas (Figs. 7-14), in SI units.
+fn convergence(
+    findings: &Findings,
+    shown: &FilterResult,
+    file: &'static str,
+    blocks: &[&str],
+) -> Figure {
+    let mut curves = Vec::new();
+    for (i, parameter) in shown.parameters.iter().enumerate() {
+        if !blocks.contains(&parameter.name.as_str()) {
+            continue;
+        }
+        let name = format!("{} {}", parameter.name, parameter.component);
+        let curve = |factor: f64| {
+            let point = |(time, all): &(f64, Vec<(f64, f64)>)| (*time, all[i].0 + factor * all[i].1);
+            findings.traces.estimates.iter().map(point).collect()
+        };
+        curves.push(Curve::new(name.clone(), Style::Full, curve(0.0)));
+        curves.push(Curve::new(format!("{name} + 3 sigma"), Style::Dashed, curve(3.0)));
+        curves.push(Curve::new(format!("{name} - 3 sigma"), Style::Dashed, curve(-3.0)));
     }
-    Ok(())
+    Figure {
+        file,
+        title: format!("{}: estimates and three sigmas", blocks.join(", ")),
+        axes: ["time, s", "estimate, SI"],
+        curves,
+    }
+}
+
+/// Horizontal error of free-inertial navigation with each filter's calibration (Fig. 15).
+fn navigation(findings: &Findings) -> Figure {
+    let curves = findings.traces.errors.iter().map(|(filter, track)| {
+        let points = track.iter().map(|(time, east, north)| (time / 3600.0, east.hypot(*north) / 1852.0));
+        Curve::new(filter.clone(), Style::Full, points.collect())
+    });
+    Figure {
+        file: "figure-15-errors",
+        title: "Horizontal error of free-inertial navigation".into(),
+        axes: ["time, h", "horizontal error, nmi"],
+        curves: curves.collect(),
+    }
 }
 
 fn figure_5(findings: &Findings, out: &mut dyn Write) -> io::Result<()> {

@@ -4,6 +4,7 @@
 
 mod figures;
 mod report;
+mod size_effect;
 
 use std::path::PathBuf;
 use std::time::Instant;

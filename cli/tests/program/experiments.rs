@@ -67,7 +67,10 @@ fn a_unit_at_rest_shows_little() -> Done {
     assert_eq!(degrees[36]["state"], "inner-lever-arm x");
     assert_eq!(degrees[36]["spans"].as_array().map(Vec::len), Some(5));
     assert_eq!(report["unobservable"].as_array().map(Vec::len), Some(43 - rank as usize));
-    assert!(text(&fs::read(Path::new(&out).join("observability.txt"))?).contains("is not observable on this path"));
+    assert!(
+        text(&fs::read(Path::new(&out).join("observability.txt"))?)
+            .contains("is not observable on this path")
+    );
     // dither of constant amplitude, felt by a filter that does not know it
     let blind = json(&["observe", &log, "--filter", "43d-p", "--json", "-"])?;
     let confounded = blind["confounded"].to_string();
@@ -110,8 +113,12 @@ fn five_filters_side_by_side() -> Done {
     let folder = tempfile::tempdir()?;
     let log = log(folder.path())?;
     let alone = json(&["ablate", &log, "--json", "-"])?;
-    let names: Vec<&str> =
-        alone["filters"].as_array().ok_or("no filters")?.iter().filter_map(|row| row["filter"].as_str()).collect();
+    let names: Vec<&str> = alone["filters"]
+        .as_array()
+        .ok_or("no filters")?
+        .iter()
+        .filter_map(|row| row["filter"].as_str())
+        .collect();
     assert_eq!(names, ["36d-p", "39d-p", "40d-p", "43d-p", "43d-b"]);
     assert!(alone["filters"][0]["max_horizontal_nmi"].is_null());
     let flown = json(&["ablate", &log, "--swing", &log, "--json", "-"])?;
@@ -126,7 +133,8 @@ fn a_campaign_is_the_same_in_one_go_taken_up_again_and_in_shards() -> Done {
     let at = |name: &str| folder.path().join(name).display().to_string();
     fs::write(at("short.toml"), "[motion]\npath = \"still\"\nduration = \"120 s\"\n")?;
     let scenario = at("short.toml");
-    let base = ["campaign", "--units", "3", "--filters", "36d-p,43d-b", "--hours", "0.05", "--scenario", &scenario];
+    let base =
+        ["campaign", "--units", "3", "--filters", "36d-p,43d-b", "--hours", "0.05", "--scenario", &scenario];
     let run = |more: &[&str]| -> std::io::Result<Output> { sinscal(&[&base[..], more].concat()) };
     let whole = at("whole");
     assert!(run(&["--out", &whole])?.status.success());
