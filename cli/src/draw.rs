@@ -76,10 +76,16 @@ impl Figure {
                 Style::Dashed => line.with_stroke_width(1.2).with_dashed(),
             }));
         }
-        let layout = Layout::auto_from_plots(&plots)
+        let mut layout = Layout::auto_from_plots(&plots)
             .with_title(self.title.clone())
             .with_x_label(self.axes[0])
             .with_y_label(self.axes[1]);
+        // what hardly changes is shown as what hardly changes: from zero
+        let values = || self.curves.iter().flat_map(|curve| curve.points.iter().map(|(_, y)| *y));
+        let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), y| (l.min(y), h.max(y)));
+        if high - low < 0.01 * low.abs().max(high.abs()) {
+            layout = layout.with_y_axis_min(1.2 * low.min(0.0)).with_y_axis_max(1.2 * high.max(0.0));
+        }
         kuva::render_to_svg(plots, layout)
     }
 
@@ -102,7 +108,11 @@ mod tests {
     #[test]
     fn a_figure_has_its_curves_and_their_numbers() {
         let curve = |style, slope: f64| {
-            Curve::new(format!("slope {slope}"), style, (0..5).map(|i| (f64::from(i), slope * f64::from(i))).collect())
+            Curve::new(
+                format!("slope {slope}"),
+                style,
+                (0..5).map(|i| (f64::from(i), slope * f64::from(i))).collect(),
+            )
         };
         let figure = Figure {
             file: "two-lines",
@@ -116,7 +126,10 @@ mod tests {
             assert!(svg.contains(text), "{text} is missing");
         }
         assert!(!svg.contains(COLOURS[1]), "a dashed curve keeps the colour of the one before");
-        assert!(!svg.contains("http://") || svg.matches("http").count() == svg.matches("http://www.w3.org").count());
+        assert!(
+            !svg.contains("http://")
+                || svg.matches("http").count() == svg.matches("http://www.w3.org").count()
+        );
         let mut csv = Vec::new();
         figure.csv(&mut csv).expect("memory");
         assert_eq!(String::from_utf8(csv).expect("text").lines().count(), 11);

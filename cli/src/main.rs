@@ -19,8 +19,8 @@ mod navigate;
 mod observe;
 mod output;
 mod paper;
-mod setup;
 mod scenario;
+mod setup;
 mod simulate;
 mod suggest;
 

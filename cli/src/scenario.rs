@@ -9,7 +9,9 @@ use rig::{Fault, Scenario};
 pub(crate) fn load(path: Option<&Path>) -> Result<Scenario> {
     let Some(path) = path else { return Ok(Scenario::default()) };
     let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::InvalidData => miette!("{}: is not text, a TOML scenario was expected", path.display()),
+        std::io::ErrorKind::InvalidData => {
+            miette!("{}: is not text, a TOML scenario was expected", path.display())
+        }
         _ => miette!("{}: cannot be read: {error}", path.display()),
     })?;
     Scenario::parse(&text).map_err(|error| refused(Some((path, &text)), error.faults))

@@ -47,7 +47,8 @@ impl Arguments {
             return output::print(DEFAULT_SCENARIO);
         }
         let Some(out) = &self.out else { return Err(miette!("--out DIR/NAME is missing")) };
-        let (Some(folder), Some(name)) = (out.parent(), out.file_name().and_then(|name| name.to_str())) else {
+        let (Some(folder), Some(name)) = (out.parent(), out.file_name().and_then(|name| name.to_str()))
+        else {
             return Err(miette!("--out {}: DIR/NAME was expected", out.display()));
         };
         output::check_folder(folder)?;
@@ -105,9 +106,7 @@ fn columns(description: &Description) -> Vec<Column> {
     }
     if description.attitude {
         for (i, part) in ["w", "x", "y", "z"].into_iter().enumerate() {
-            let of = move |s: &Sample| {
-                s.reference.attitude.map_or(f64::NAN, |q| [q.w, q.i, q.j, q.k][i])
-            };
+            let of = move |s: &Sample| s.reference.attitude.map_or(f64::NAN, |q| [q.w, q.i, q.j, q.k][i]);
             columns.push((format!("ref_quat_{part}"), Box::new(of)));
         }
     }
@@ -165,7 +164,8 @@ mod tests {
     #[test]
     fn columns_follow_the_description() {
         let simulation = Simulation::new(&rig::Scenario::default(), 1).expect("the default scenario");
-        let names: Vec<String> = columns(simulation.description()).into_iter().map(|(name, _)| name).collect();
+        let names: Vec<String> =
+            columns(simulation.description()).into_iter().map(|(name, _)| name).collect();
         assert_eq!(names.len(), 1 + 3 * 5 + 6);
         assert_eq!(names[0], "time_s");
         assert!(!names.iter().any(|name| name.starts_with("ref_quat")));

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 /// `ln Gamma(k / 2)` for a positive whole k.
 fn ln_gamma_half(k: usize) -> f64 {
-    let (mut value, mut at) = if k % 2 == 0 { (0.0, 1.0) } else { (0.5 * PI.ln(), 0.5) };
+    let (mut value, mut at) = if k.is_multiple_of(2) { (0.0, 1.0) } else { (0.5 * PI.ln(), 0.5) };
     while at < k as f64 / 2.0 - 0.25 {
         value += f64::ln(at);
         at += 1.0;

@@ -39,8 +39,11 @@ pub(crate) trait Machine: Sync {
     fn run(&self, log: &Log, takes: &(dyn Fn(&str) -> bool + Sync)) -> Result<Ran, Diverged>;
 }
 
+/// The types of a filter, without one.
+type Types<F, B, K> = core::marker::PhantomData<fn() -> (F, B, K)>;
+
 /// Filter `F` with the candidates of `B`, of which there are `K` states.
-pub(crate) struct Declared<F, B, K>(core::marker::PhantomData<fn() -> (F, B, K)>);
+pub(crate) struct Declared<F, B, K>(Types<F, B, K>);
 
 impl<F, B, K> Declared<F, B, K> {
     pub(crate) fn new() -> Self {

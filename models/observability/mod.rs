@@ -31,7 +31,7 @@ pub use information::{Information, prior};
 pub use segments::{Segment, Segmenter};
 
 /// Singular values up to this one, in standard deviations of a reading, count as zero: one standard deviation of what was
-/// believed before changes a reading by less than its noise. It is some ten decades above rounding, so the rank
+/// believed before changes a reading by less than its noise. It is some eight decades above rounding, so the rank
 /// does not depend on the arithmetic; and it is the size that data must have to say as much as the prior does.
 pub const TOLERANCE: f64 = 1.0;
 

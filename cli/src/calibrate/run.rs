@@ -4,13 +4,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Result, miette};
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::{
-    Aligner, Calibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter, Setup, Smoothed,
-    Smoother, Statistics, Strapdown, Ud,
+    Calibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter, Smoothed, Smoother,
+    Statistics, Strapdown, Ud,
 };
 
 use super::Form;
 use crate::history::History;
 use crate::log::{Bridged, Log};
+use crate::setup;
 
 /// The progress bar moves every so many samples.
 const BAR_SAMPLES: u64 = 4096;
@@ -43,29 +44,9 @@ pub(super) struct Outcome {
 
 /// Runs the filter called `filter` over the log.
 pub(super) fn run(log: &Log, filter: &str, options: Options) -> Result<Outcome> {
-    let initial = match log.description().initial {
-        Some(initial) => initial,
-        None => align(log)?,
-    };
+    let initial = setup::initial(log)?;
     sinscal::visit_filter(filter, Run { log, initial, options })
         .unwrap_or_else(|| Err(miette!("there is no filter called {filter}")))
-}
-
-/// The attitude at the first row, from the still stretch the log begins with.
-fn align(log: &Log) -> Result<InitialAttitude> {
-    let description = log.description();
-    let prior = |name: &str| {
-        let given = description.priors.iter().find(|(effect, _)| *effect == name).map(|(_, sigma)| *sigma);
-        given.or_else(|| sinscal::effect(name).map(|effect| effect.prior_sigma)).unwrap_or(f64::INFINITY)
-    };
-    let (gyro, accel) = (prior("gyro-bias"), prior("accel-bias"));
-    let mut aligner = Aligner::new(description.site, description.rate, description.noise, gyro, accel);
-    for sample in log.samples()? {
-        if !aligner.push(&sample?) {
-            break;
-        }
-    }
-    aligner.finish().map_err(|error| miette!("{}: {error}", log.table().display()))
 }
 
 struct Run<'a> {
@@ -88,17 +69,7 @@ impl FilterVisitor for Run<'_> {
 impl Run<'_> {
     fn calibrate<F: Filter<Dynamics = Strapdown>, C: sinscal::Form>(self) -> Result<Outcome> {
         let description = self.log.description();
-        let mut calibration = Box::new(Calibration::<F, C>::new(&Setup {
-            rate: description.rate,
-            site: description.site,
-            initial: self.initial,
-            reference: description.reference,
-            update_rate: self.log.update_rate(),
-            noise: description.noise,
-            reference_temperature: description.reference_temperature,
-            outer_lever: description.outer_lever,
-            priors: &description.priors,
-        }));
+        let mut calibration = Box::new(Calibration::<F, C>::new(&setup::of(self.log, self.initial)));
         let mut parameters = Vec::new();
         calibration.parameters(&mut |parameter| parameters.push(parameter));
         let mut history = History::new(parameters.len());

@@ -18,13 +18,16 @@ const SHOWN: &str = "43d-b";
 /// A point of figure 15 every so often, s.
 const STEP: f64 = 60.0;
 
+/// Time, east and north error, s and m.
+type Track = Vec<(f64, f64, f64)>;
+
 /// What happened to one unit over time.
 #[derive(Default)]
 pub(super) struct Traces {
     /// Time, then estimate and sigma of each parameter of the filter shown.
     estimates: Vec<(f64, Vec<(f64, f64)>)>,
     /// By filter: time, east and north error, m.
-    errors: Vec<(String, Vec<(f64, f64, f64)>)>,
+    errors: Vec<(String, Track)>,
 }
 
 impl Watch for Traces {
@@ -71,7 +74,8 @@ pub(super) fn write(findings: &Findings, files: &mut Files, folder: &Path) -> Re
     let shown = findings.first.filters.iter().find(|filter| filter.filter == SHOWN);
     if let Some(shown) = shown {
         for (file, blocks) in PARAMETERS {
-            files.write(&folder.join(format!("{file}.csv")), |out| parameters(findings, shown, blocks, out))?;
+            files
+                .write(&folder.join(format!("{file}.csv")), |out| parameters(findings, shown, blocks, out))?;
             convergence(findings, shown, file, blocks).draw(files, folder)?;
         }
     }
@@ -80,12 +84,7 @@ pub(super) fn write(findings: &Findings, files: &mut Files, folder: &Path) -> Re
 }
 
 /// Estimates of some parameters over time with their three sigmas (Figs. 7-14), in SI units.
-fn convergence(
-    findings: &Findings,
-    shown: &FilterResult,
-    file: &'static str,
-    blocks: &[&str],
-) -> Figure {
+fn convergence(findings: &Findings, shown: &FilterResult, file: &'static str, blocks: &[&str]) -> Figure {
     let mut curves = Vec::new();
     for (i, parameter) in shown.parameters.iter().enumerate() {
         if !blocks.contains(&parameter.name.as_str()) {
@@ -132,7 +131,12 @@ fn figure_5(findings: &Findings, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-fn parameters(findings: &Findings, shown: &FilterResult, blocks: &[&str], out: &mut dyn Write) -> io::Result<()> {
+fn parameters(
+    findings: &Findings,
+    shown: &FilterResult,
+    blocks: &[&str],
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let which: Vec<usize> = (0..shown.parameters.len())
         .filter(|i| blocks.contains(&shown.parameters[*i].name.as_str()))
         .collect();

@@ -248,7 +248,15 @@ fn table_3(text: &mut String, findings: &Findings) {
         text,
         "\nTable 3 and Fig. 15, largest horizontal error in {} h of free-inertial navigation, nautical miles\n\
          {:8} {:>8} {:>8} {:>8} {:>8}  {:22} {:>12} {:>12}",
-        findings.plan.hours, "filter", "paper", "5 %", "median", "95 %", "of 36d-p (95 %)", "NIS per dof", "NEES per dof"
+        findings.plan.hours,
+        "filter",
+        "paper",
+        "5 %",
+        "median",
+        "95 %",
+        "of 36d-p (95 %)",
+        "NIS per dof",
+        "NEES per dof"
     );
     for (filter, printed) in summary.filters.iter().zip(PRINTED) {
         let Some(errors) = filter.max_horizontal_m else { continue };

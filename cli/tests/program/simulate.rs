@@ -23,8 +23,17 @@ fn a_simulated_log_is_one_the_program_reads() {
     let scenario = folder.path().join("short.toml");
     fs::write(&scenario, SHORT).expect("a scenario");
     let log = folder.path().join("logs/unit");
-    let output =
-        sinscal(&["simulate", "--out", &text(&log), "--scenario", &text(&scenario), "--seed", "5", "--rate", "100"]);
+    let output = sinscal(&[
+        "simulate",
+        "--out",
+        &text(&log),
+        "--scenario",
+        &text(&scenario),
+        "--seed",
+        "5",
+        "--rate",
+        "100",
+    ]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let output = sinscal(&["calibrate", &text(&log), "--filter", "43d-b", "--json", "-"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -33,7 +42,8 @@ fn a_simulated_log_is_one_the_program_reads() {
     assert!((0.85..1.15).contains(&nis), "{nis}");
     let truth: Value =
         serde_json::from_slice(&fs::read(log.with_extension("truth.json")).expect("truth")).expect("JSON");
-    let lever = report["parameters"].as_array().expect("a list").iter().filter(|p| p["name"] == "outer-lever-arm");
+    let lever =
+        report["parameters"].as_array().expect("a list").iter().filter(|p| p["name"] == "outer-lever-arm");
     for (found, expected) in lever.zip(truth["outer-lever-arm"].as_array().expect("a list")) {
         let error = found["value"].as_f64().expect("a number") - expected.as_f64().expect("a number");
         assert!(error.abs() < 5.0 * found["sigma"].as_f64().expect("a number"), "{error}");
@@ -70,7 +80,13 @@ fn what_is_wrong_with_a_scenario_is_said_and_nothing_is_left() {
         ("[imu]\nrate = \n", &["bad.toml", "line 2"]),
     ] {
         fs::write(&scenario, content).expect("a scenario");
-        let output = sinscal(&["simulate", "--out", &text(&folder.path().join("x/y")), "--scenario", &text(&scenario)]);
+        let output = sinscal(&[
+            "simulate",
+            "--out",
+            &text(&folder.path().join("x/y")),
+            "--scenario",
+            &text(&scenario),
+        ]);
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{content}: {said}");
         for part in wanted {
