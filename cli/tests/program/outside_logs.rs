@@ -149,3 +149,26 @@ fn a_tracked_unit_is_calibrated_alike_in_two_trials() {
     }
     assert!(number(&fast["nis_per_dof"]) > 5.0);
 }
+
+#[test]
+fn what_a_filter_lacks_is_named_and_nothing_else() {
+    let Some(root) = logs() else { return };
+    let diagnose = |log: &str, filter: &str, verify: Option<&str>| -> Value {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sinscal"));
+        command.arg("diagnose").arg(root.join("rig").join(log)).args(["--filter", filter, "--json", "-"]);
+        if let Some(second) = verify {
+            command.arg("--verify").arg(root.join("rig").join(second));
+        }
+        let output = command.output().expect("the program runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).expect("JSON and nothing else")
+    };
+    let found = diagnose("unit-b", "36d-p", Some("unit-b-verify"));
+    assert_eq!((&found["verdict"], &found["verified"]), (&"effects-found".into(), &true.into()));
+    let effects = found["effects"].as_array().expect("a list");
+    assert_eq!(effects.len(), 1);
+    assert_eq!(effects[0]["name"], "accel-delay");
+    let error = number(&effects[0]["estimate"][0]) - 4.95e-4;
+    assert!(error.abs() < 4.0 * number(&effects[0]["sigma"][0]), "{error:e}");
+    assert_eq!(diagnose("unit-c", "36d-p", None)["verdict"], "nothing-missing");
+}
