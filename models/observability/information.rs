@@ -91,7 +91,7 @@ impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Information<F> {
             if !residuals.is_present(m) {
                 continue;
             }
-            let scale = 1.0 / residuals.variances()[m].sqrt();
+            let scale = 1.0 / nalgebra::ComplexField::sqrt(residuals.variances()[m]);
             let mut row = F::Shape::vector(0.0);
             for j in 0..F::Shape::STATES {
                 let mut sum = if j < F::Shape::CORE { 0.0 } else { h[m][j] };
@@ -110,7 +110,7 @@ pub fn prior<F: Filter<Dynamics = Strapdown>, C: Form>(run: &Calibration<F, C>) 
     let p = run.covariance();
     let mut sigmas = F::Shape::vector(0.0);
     for i in 0..F::Shape::STATES {
-        sigmas[i] = p[i][i].sqrt();
+        sigmas[i] = nalgebra::ComplexField::sqrt(p[i][i]);
     }
     sigmas
 }

@@ -61,7 +61,7 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
         let p = Calibration::<F, Conventional>::new(setup).covariance();
         let mut prior = F::Shape::vector(0.0);
         for i in 0..F::Shape::STATES {
-            prior[i] = p[i][i].sqrt();
+            prior[i] = nalgebra::ComplexField::sqrt(p[i][i]);
         }
         Self { prior, noise, triangle: Triangle::default() }
     }
