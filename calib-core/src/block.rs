@@ -7,7 +7,7 @@ use crate::{Dynamics, Real};
 pub struct StateInfo {
     /// Name of the block in reports, for instance `gyro-scale`.
     pub block: &'static str,
-    /// Component within the block, for instance `x` or `yx`; empty when there is only one.
+    /// Component within the block, for instance `x`, `yx` or `tau`.
     pub component: &'static str,
     /// SI unit of the state, `1` when it has none.
     pub unit: &'static str,
