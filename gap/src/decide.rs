@@ -16,6 +16,10 @@ const KEPT: f64 = 0.5;
 /// ...and must carry this part of what the whole set gains.
 const SHARE: f64 = 0.01;
 
+/// So many effects may be named on the word of a single log. On a path that shows little, the halves of one log agree on
+/// larger sets that hold a wrong name.
+const ALONE: usize = 3;
+
 /// A family that passes its threshold by less than three decades may be chance; where the second log is silent, it is.
 const WEAK: f64 = 6.907_755_278_982_137;
 
@@ -241,6 +245,12 @@ fn judge(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
     }
     if !decision.rivals.is_empty() {
         decision.verdict = Verdict::Ambiguous;
+        return;
+    }
+    if second.is_none() && best.groups.len() > ALONE {
+        decision.verdict = Verdict::NotConfirmed;
+        decision.reason =
+            Some(format!("one run does not part more than {ALONE} effects for certain: give a second one"));
         return;
     }
     let name = |i: usize| first.prices.groups[best.groups[i]].name.as_str();

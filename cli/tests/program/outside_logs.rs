@@ -171,4 +171,8 @@ fn what_a_filter_lacks_is_named_and_nothing_else() {
     let error = number(&effects[0]["estimate"][0]) - 4.95e-4;
     assert!(error.abs() < 4.0 * number(&effects[0]["sigma"][0]), "{error:e}");
     assert_eq!(diagnose("unit-c", "36d-p", None)["verdict"], "nothing-missing");
+    // four effects are hidden here, and rocking alone cannot tell all of them from others: no name may be confirmed
+    let rocking = diagnose("unit-a-swing", "36d-p", None);
+    assert_ne!(rocking["verdict"], "effects-found");
+    assert_eq!(rocking["effects"], Value::Array(Vec::new()));
 }
