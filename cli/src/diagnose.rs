@@ -11,7 +11,7 @@ use miette::{IntoDiagnostic, Result, miette};
 use sinscal::{FILTERS, InitialAttitude, Sample};
 
 use crate::log::Log;
-use crate::{output, setup};
+use crate::{output, self_test, setup};
 
 /// Name of the Rust file with the extended filter.
 const DECLARATION: &str = "extended_filter.rs";
@@ -20,15 +20,20 @@ const DECLARATION: &str = "extended_filter.rs";
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// The log: path of its table or description, with or without ending
-    log: PathBuf,
+    #[arg(required_unless_present = "self_test")]
+    log: Option<PathBuf>,
     /// The filter to begin with; `sinscal filters` lists them
-    #[arg(long, value_name = "NAME", ignore_case = true,
+    #[arg(long, value_name = "NAME", ignore_case = true, required_unless_present = "self_test",
           value_parser = PossibleValuesParser::new(FILTERS.iter().map(|filter| filter.name)))]
-    filter: String,
+    filter: Option<String>,
     /// A second log of the same unit, on another path or day, to confirm what the first one shows
     #[arg(long, value_name = "LOG2")]
     verify: Option<PathBuf>,
-    /// Of the simulated thresholds
+    /// Hide something in N simulated units, diagnose each, and print how often that went right
+    #[arg(long, value_name = "N", conflicts_with_all = ["log", "filter", "verify"],
+          value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    self_test: Option<u64>,
+    /// Of the simulated thresholds; of a self-test, that of its first unit
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Write the results as JSON; `-` writes them to standard output instead of the text
@@ -61,8 +66,12 @@ impl Loaded {
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
-        let filter = setup::filter(&self.filter)?;
-        let first = Loaded::new(&self.log)?;
+        let (log, filter) = match (&self.log, &self.filter) {
+            (Some(log), Some(filter)) => (log, setup::filter(filter)?),
+            // the parser of the command line lets nothing else through
+            _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, &target),
+        };
+        let first = Loaded::new(log)?;
         let second = self.verify.as_deref().map(Loaded::new).transpose()?;
 
         let first_setup = setup::of(&first.log, first.initial);

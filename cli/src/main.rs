@@ -20,6 +20,7 @@ mod observe;
 mod output;
 mod paper;
 mod scenario;
+mod self_test;
 mod setup;
 mod simulate;
 mod suggest;

@@ -16,10 +16,6 @@ const KEPT: f64 = 0.5;
 /// ...and must carry this part of what the whole set gains.
 const SHARE: f64 = 0.01;
 
-/// So many effects may be named on the word of a single log. On a path that shows little, the halves of one log agree on
-/// larger sets that hold a wrong name.
-const ALONE: usize = 3;
-
 /// A family that passes its threshold by less than three decades may be chance; where the second log is silent, it is.
 const WEAK: f64 = 6.907_755_278_982_137;
 
@@ -44,10 +40,52 @@ pub(crate) struct Decision {
     pub(crate) stripped: Vec<usize>,
 }
 
-/// Total evidence of a set: from the first log, and from the second given the first.
-fn evidence(first: &Scene, second: Option<&Scene>, set: &Tried, threshold: f64) -> f64 {
-    let more = second.and_then(|s| verify(first, s, &set.groups, threshold)).map_or(0.0, |v| v.ln_e);
-    set.gain + more
+/// How well a set stands: from the first log, and from the second given the first.
+#[derive(Clone, Copy, Debug)]
+struct Standing {
+    /// With the sizes that its effects were expected to have.
+    evidence: f64,
+    /// Without.
+    likelihood: f64,
+}
+
+impl Standing {
+    fn of(first: &Scene, second: Option<&Scene>, groups: &[usize], gain: f64, threshold: f64) -> Self {
+        let more = second.and_then(|s| verify(first, s, groups, threshold)).map_or(0.0, |v| v.ln_e);
+        let likelihood = first.prices.likelihood(groups, first.ran.recording.updates());
+        Self { evidence: gain + more, likelihood: likelihood + more }
+    }
+
+    /// Whether a set that stands so cannot be told from the `best`. A name must not rest on how large effects were expected
+    /// to be, nor on that alone be refused.
+    fn rivals(self, best: Self) -> bool {
+        self.evidence > best.evidence - MARGIN || self.likelihood > best.likelihood - MARGIN
+    }
+}
+
+/// Sets that differ from `best` in one effect and explain the data as well.
+fn exchanged(
+    first: &Scene,
+    second: Option<&Scene>,
+    best: &Tried,
+    among: &[usize],
+    threshold: f64,
+) -> Vec<Vec<usize>> {
+    let standing = Standing::of(first, second, &best.groups, best.gain, threshold);
+    let mut rivals = Vec::new();
+    for (i, h) in (0..best.groups.len()).flat_map(|i| among.iter().map(move |h| (i, *h))) {
+        if best.groups.contains(&h) {
+            continue;
+        }
+        let mut groups = best.groups.clone();
+        groups[i] = h;
+        let other = Tried::new(&first.prices, groups, among);
+        let rival = Standing::of(first, second, &other.groups, other.gain, threshold).rivals(standing);
+        if rival && other.is_adequate(threshold - MARGIN) {
+            rivals.push(other.groups);
+        }
+    }
+    rivals
 }
 
 pub(crate) fn decide(first: &Scene, second: Option<&Scene>, open: Option<&Open>, threshold: f64) -> Decision {
@@ -73,17 +111,26 @@ pub(crate) fn decide(first: &Scene, second: Option<&Scene>, open: Option<&Open>,
         let loud = if chance { Vec::new() } else { loud };
         return nothing_named(first, found, loud);
     }
-    let mut sets: Vec<(f64, Tried)> =
-        found.sets.into_iter().map(|s| (evidence(first, second, &s, threshold), s)).collect();
-    sets.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut sets: Vec<(Standing, Tried)> = found
+        .sets
+        .into_iter()
+        .map(|s| (Standing::of(first, second, &s.groups, s.gain, threshold), s))
+        .collect();
+    sets.sort_by(|a, b| b.0.evidence.total_cmp(&a.0.evidence));
     let (most, mut best) = sets.remove(0);
+    let is_other = |best: &Tried, groups: &[usize]| !best.groups.iter().all(|g| groups.contains(g));
     let mut rivals: Vec<Vec<usize>> = sets
         .into_iter()
-        .filter(|(e, s)| *e > most - MARGIN && !best.groups.iter().all(|g| s.groups.contains(g)))
+        .filter(|(standing, s)| standing.rivals(most) && is_other(&best, &s.groups))
         .map(|(_, s)| s.groups)
         .collect();
-    rivals.truncate(5);
     let stripped = strip(first, second, &mut best, &among, threshold, found.adequate);
+    for groups in exchanged(first, second, &best, &among, threshold) {
+        if !rivals.contains(&groups) {
+            rivals.push(groups);
+        }
+    }
+    rivals.truncate(5);
     let loud = open.map_or(Vec::new(), |o| o.loud(&best.groups));
     let correlates: Vec<usize> = loud.iter().map(|l| l.0).take(5).collect();
     let verification = second.and_then(|s| verify(first, s, &best.groups, threshold));
@@ -245,12 +292,6 @@ fn judge(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
     }
     if !decision.rivals.is_empty() {
         decision.verdict = Verdict::Ambiguous;
-        return;
-    }
-    if second.is_none() && best.groups.len() > ALONE {
-        decision.verdict = Verdict::NotConfirmed;
-        decision.reason =
-            Some(format!("one run does not part more than {ALONE} effects for certain: give a second one"));
         return;
     }
     let name = |i: usize| first.prices.groups[best.groups[i]].name.as_str();

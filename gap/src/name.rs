@@ -2,10 +2,12 @@
 
 use crate::prices::{Prices, Score};
 
-/// No more effects than this are named by trying all sets; beyond, sets grow one by one.
+/// Up to this size all sets are tried; larger ones grow from the best of the size before.
 pub(crate) const EXHAUSTIVE: usize = 3;
 /// Growing ends here.
 const MOST: usize = 6;
+/// So many sets of each size go on growing: a wrong member taken early must not be the only way on.
+const BEAM: usize = 40;
 /// Two sets whose evidence differs by less than this (ln 100) cannot be told apart.
 pub(crate) const MARGIN: f64 = 4.605_170_185_988_091;
 
@@ -50,63 +52,51 @@ pub(crate) fn search(prices: &Prices, among: &[usize], threshold: f64) -> Search
     if none.is_adequate(threshold) {
         return Search { sets: vec![none], adequate: true };
     }
-    let mut best: Option<Tried> = None;
+    let mut best = none;
     let mut adequate: Vec<Tried> = Vec::new();
-    for size in 1..=EXHAUSTIVE.min(among.len()) {
-        let mut sets = Vec::new();
-        combinations(among, size, &mut Vec::new(), 0, &mut |set| {
-            // a set that gains nothing explains nothing
-            if prices.gain(set) > 0.0 {
-                sets.push(Tried::new(prices, set.to_vec(), among));
-            }
-        });
-        sets.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        if let Some(first) = sets.first() {
-            best = Some(first.clone());
+    let mut front: Vec<(f64, Vec<usize>)> = vec![(0.0, Vec::new())];
+    for size in 1..=MOST.min(among.len()) {
+        front = grown(prices, &front, among);
+        front.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let Some((gain, largest)) = front.first() else { break };
+        if *gain > best.gain + MARGIN {
+            best = Tried::new(prices, largest.clone(), among);
+        } else if size > EXHAUSTIVE {
+            break;
         }
-        sets.retain(|s| s.is_adequate(threshold));
         // a larger set must earn its place
         let least = adequate.first().map_or(f64::NEG_INFINITY, |s| s.gain + MARGIN);
-        adequate.extend(sets.into_iter().filter(|s| s.gain > least));
-    }
-    if !adequate.is_empty() {
-        adequate.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        return Search { sets: adequate, adequate: true };
-    }
-    let mut grown = best.unwrap_or(none);
-    while grown.groups.len() < MOST && !grown.is_adequate(threshold) {
-        let next = among
-            .iter()
-            .filter(|g| !grown.groups.contains(g))
-            .map(|g| {
-                let mut groups = grown.groups.clone();
-                groups.push(*g);
-                Tried::new(prices, groups, among)
-            })
-            .max_by(|a, b| a.gain.total_cmp(&b.gain));
-        match next {
-            Some(next) if next.gain > grown.gain + MARGIN => grown = next,
-            _ => break,
+        // and a set that gains nothing explains nothing
+        let least = least.max(0.0);
+        let tried = front.iter().take_while(|s| s.0 > least).map(|s| Tried::new(prices, s.1.clone(), among));
+        adequate.extend(tried.filter(|s| s.is_adequate(threshold)));
+        if size >= EXHAUSTIVE {
+            if !adequate.is_empty() {
+                break;
+            }
+            front.truncate(BEAM);
         }
     }
-    let adequate = grown.is_adequate(threshold);
-    Search { sets: vec![grown], adequate }
+    if adequate.is_empty() {
+        let adequate = best.is_adequate(threshold);
+        return Search { sets: vec![best], adequate };
+    }
+    adequate.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    Search { sets: adequate, adequate: true }
 }
 
-fn combinations(
-    among: &[usize],
-    size: usize,
-    chosen: &mut Vec<usize>,
-    from: usize,
-    visit: &mut dyn FnMut(&[usize]),
-) {
-    if chosen.len() == size {
-        visit(chosen);
-        return;
+/// Every set of `from` with one more of `among`, each once, with its gain.
+fn grown(prices: &Prices, from: &[(f64, Vec<usize>)], among: &[usize]) -> Vec<(f64, Vec<usize>)> {
+    let mut sets: Vec<Vec<usize>> = Vec::new();
+    for (_, set) in from {
+        for g in among.iter().filter(|g| !set.contains(g)) {
+            let mut more = set.clone();
+            more.push(*g);
+            more.sort_unstable();
+            sets.push(more);
+        }
     }
-    for i in from..among.len() {
-        chosen.push(among[i]);
-        combinations(among, size, chosen, i + 1, visit);
-        chosen.pop();
-    }
+    sets.sort_unstable();
+    sets.dedup();
+    sets.into_iter().map(|s| (prices.gain(&s), s)).collect()
 }

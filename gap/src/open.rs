@@ -95,11 +95,6 @@ impl Open {
         mapped.iter().map(|m| gain_of(*m, true) / gain_of(*m, false).max(1e-9)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Half the Bayesian information criterion of some groups, the larger the better.
-    fn evidence(&self, groups: &[usize]) -> f64 {
-        0.5 * (self.fit(groups) - self.prices.members(groups).len() as f64 * (self.updates as f64).ln())
-    }
-
     /// Families that explain what `named` explains: within 10 of its BIC, and leaving nothing for it to add; each with how far
     /// its evidence is ahead. With another log, what that says counts too: `ln_e` is what it says of `named`.
     pub(crate) fn rivals(&self, named: &[usize], other: Option<(&Self, f64)>) -> Vec<(usize, f64)> {
@@ -107,10 +102,10 @@ impl Open {
             return Vec::new();
         }
         let mapped = self.mapped(named);
-        let theirs = self.evidence(&mapped);
+        let theirs = self.prices.likelihood(&mapped, self.updates);
         let mut rivals: Vec<(usize, f64)> = (0..self.families)
             .filter_map(|g| {
-                let mut ahead = self.evidence(&[g]) - theirs;
+                let mut ahead = self.prices.likelihood(&[g], self.updates) - theirs;
                 if ahead < -5.0 {
                     return None;
                 }
@@ -153,23 +148,5 @@ impl Open {
             }
         }
         other.prices.ln_e(&[there], &mean, &covariance).unwrap_or(0.0)
-    }
-
-    /// Twice the gain in likelihood of the best fit of some groups.
-    fn fit(&self, groups: &[usize]) -> f64 {
-        let members = self.prices.members(groups);
-        let lambda = self.prices.lambda.select_rows(&members).select_columns(&members);
-        let b = self.prices.b.select_rows(&members);
-        let mut t = 0.0;
-        if members.is_empty() {
-            return t;
-        }
-        let eigen = lambda.symmetric_eigen();
-        for (k, value) in eigen.eigenvalues.iter().enumerate() {
-            if *value > 1.0 {
-                t += eigen.eigenvectors.column(k).dot(&b).powi(2) / value;
-            }
-        }
-        t
     }
 }

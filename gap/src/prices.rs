@@ -78,6 +78,20 @@ impl Prices {
         0.5 * b.dot(&factor.solve(&b)) - factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>()
     }
 
+    /// What the data alone say for some groups, however large they were expected to be: the log-likelihood that their best
+    /// fit gains, less half the logarithm of the number of `updates` for each direction that is seen (BIC).
+    pub(crate) fn likelihood(&self, groups: &[usize], updates: usize) -> f64 {
+        let members = self.members(groups);
+        if members.is_empty() {
+            return 0.0;
+        }
+        let eigen = self.lambda.select_rows(&members).select_columns(&members).symmetric_eigen();
+        let b = self.b.select_rows(&members);
+        let cost = (updates as f64).ln();
+        let seen = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()).filter(|(v, _)| **v > SEEN);
+        seen.map(|(value, direction)| 0.5 * (direction.dot(&b).powi(2) / value - cost)).sum()
+    }
+
     /// Estimates of the columns of some groups and their covariance, both in physical units.
     pub(crate) fn posterior(&self, groups: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let members = self.members(groups);

@@ -1,10 +1,13 @@
-//! Blind trials: simulated units with something hidden, drawn by seed, and how the diagnosis of each is scored.
+//! A unit with something hidden in it, and two logs of it.
+
+use core::fmt;
 
 use nalgebra::Vector3;
 use rig::scenario::{Path, Population};
 use rig::{DitherMode, Scenario, ScenarioError, Simulation, TemperatureProfile};
-use sinscal::{Sample, effect};
+use sinscal::{FILTERS, Sample, effect};
 
+use super::Grade;
 use crate::random::Stream;
 use crate::{Diagnosis, Error, Log, Options, Verdict, diagnose_named};
 
@@ -21,7 +24,7 @@ pub enum Hidden {
     NotExcited(&'static str),
 }
 
-/// Effects that can be hidden, with what one standard deviation of the estimate is on the path of these trials.
+/// Effects that can be hidden, with about what one standard deviation of the estimate is on the paths of these trials.
 const EFFECTS: &[(&str, f64)] = &[
     ("inner-lever-arm", 2.9e-4),
     ("dither-size-effect", 1.5e-3),
@@ -50,9 +53,14 @@ const OUTSIDE: &[(&str, f64)] = &[
 
 const NOT_EXCITED: &[&str] = &["gyro-rate-nonlinearity", "gyro-scale-asymmetry", "dither-size-effect"];
 
+const DITHER: &str = "dither-size-effect";
+
+/// Filters that are diagnosed: those with position and velocity of a fixed point.
+const BASES: [&str; 5] = ["36d-p", "39d-p", "40d-p", "43d-p", "43d-b"];
+
 impl Hidden {
     /// In which row of the table a case counts.
-    fn kind(&self) -> &'static str {
+    pub(crate) fn kind(&self) -> &'static str {
         match self {
             Self::Nothing(gyro, accel) if *gyro == 1.0 && *accel == 1.0 => "nothing",
             Self::Nothing(..) => "nothing, noise misstated",
@@ -62,6 +70,31 @@ impl Hidden {
             Self::Effects(..) => "single, 80 sigma",
             Self::Outside(..) => "outside",
             Self::NotExcited(_) => "not excited",
+        }
+    }
+
+    /// Effects of the catalogue that the unit has and the filter does not.
+    fn names(&self) -> &[&'static str] {
+        match self {
+            Self::Effects(names, _) => names,
+            Self::NotExcited(name) => core::slice::from_ref(name),
+            Self::Nothing(..) | Self::Outside(..) => &[],
+        }
+    }
+}
+
+impl fmt::Display for Hidden {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Nothing(gyro, accel) => {
+                write!(
+                    f,
+                    "nothing; noise stated {gyro} (gyro) and {accel} (accelerometer) times the true one"
+                )
+            }
+            Self::Effects(names, sigma) => write!(f, "{}, about {sigma} sigma", names.join(" + ")),
+            Self::Outside(name, sigma) => write!(f, "{name}, about {sigma} sigma"),
+            Self::NotExcited(name) => write!(f, "{name}, which the path does not show"),
         }
     }
 }
@@ -76,34 +109,7 @@ pub struct Case {
     /// What it lacks.
     pub hidden: Hidden,
     logs: [(Vec<Sample>, rig::Description); 2],
-}
-
-/// How a diagnosis did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Grade {
-    /// The one right answer.
-    Right,
-    /// The truth is in a list of at most three, or something was flagged without its name.
-    Half,
-    /// Nothing was said where something is.
-    Miss,
-    /// A wrong name, confirmed.
-    Wrong,
-    /// Something was said where nothing is.
-    Alarm,
-}
-
-impl Grade {
-    /// What it counts.
-    pub fn points(self) -> f64 {
-        match self {
-            Self::Right => 1.0,
-            Self::Half => 0.5,
-            Self::Miss => 0.0,
-            Self::Wrong => -2.0,
-            Self::Alarm => -1.0,
-        }
-    }
+    truth: rig::Truth,
 }
 
 impl Case {
@@ -117,7 +123,7 @@ impl Case {
         let hidden = match stream.below(20) {
             0..2 => Hidden::Nothing(1.0, 1.0),
             2..4 => {
-                let factor = |s: &mut Stream| [0.5, 1.0, 2.0][s.below(3)];
+                let factor = |s: &mut Stream| [1.0 / 3.0, 0.5, 1.0, 2.0, 3.0][s.below(5)];
                 Hidden::Nothing(factor(&mut stream), factor(&mut stream))
             }
             4..13 => Hidden::Effects(vec![EFFECTS[stream.below(EFFECTS.len())].0], strength),
@@ -142,17 +148,12 @@ impl Case {
     /// # Errors
     /// When the rig refuses the scenario.
     pub fn with(seed: u64, hidden: Hidden) -> Result<Self, ScenarioError> {
-        let names: &[&str] = match &hidden {
-            Hidden::Effects(names, _) => names,
-            Hidden::NotExcited(name) => &[name],
-            _ => &[],
-        };
-        let dithers = names.contains(&"dither-size-effect");
-        // dither acts through inner lever arms: the filter for it knows those
-        let filter = if dithers { "39d-p" } else { "36d-p" };
-        let first = simulate(seed, filter, &hidden, names, false)?;
-        let second = simulate(seed, filter, &hidden, names, true)?;
-        Ok(Self { seed, filter, hidden, logs: [first, second] })
+        let mut stream = Stream::new(seed, "blind/base");
+        let bases: Vec<&'static str> = BASES.into_iter().filter(|base| lacks(base, hidden.names())).collect();
+        let filter = bases[stream.below(bases.len())];
+        let (first, truth) = simulate(seed, filter, &hidden, 0)?;
+        let (second, _) = simulate(seed, filter, &hidden, 1)?;
+        Ok(Self { seed, filter, hidden, logs: [first, second], truth })
     }
 
     /// Diagnoses it.
@@ -226,160 +227,67 @@ impl Case {
             }
         }
     }
-}
 
-/// Counts of a series of trials.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
-    /// Kind of case, grade, how many.
-    counts: Vec<(&'static str, Grade, usize)>,
-}
-
-impl Table {
-    fn add(&mut self, kind: &'static str, grade: Grade) {
-        match self.counts.iter_mut().find(|c| c.0 == kind && c.1 == grade) {
-            Some(count) => count.2 += 1,
-            None => self.counts.push((kind, grade, 1)),
+    /// Normalised squared error of the values of rightly named effects, component by component, and their number.
+    pub(crate) fn nees(&self, d: &Diagnosis) -> Option<(f64, usize)> {
+        if self.grade(d) != Grade::Right || d.effects.is_empty() {
+            return None;
         }
-    }
-
-    /// How many cases ended with `grade`.
-    pub fn count(&self, grade: Grade) -> usize {
-        self.counts.iter().filter(|c| c.1 == grade).map(|c| c.2).sum()
-    }
-
-    /// Number of cases.
-    pub fn cases(&self) -> usize {
-        self.counts.iter().map(|c| c.2).sum()
-    }
-
-    /// Mean score; 1 is perfect.
-    pub fn score(&self) -> f64 {
-        self.counts.iter().map(|c| c.1.points() * c.2 as f64).sum::<f64>() / self.cases().max(1) as f64
-    }
-}
-
-/// Bounds that hold the true rate with 95 % (Wilson), of `k` out of `n`.
-fn wilson(k: usize, n: usize) -> (f64, f64) {
-    let (k, n, z) = (k as f64, n.max(1) as f64, 1.959_963_984_540_054);
-    let centre = (k + z * z / 2.0) / (n + z * z);
-    let half = z / (n + z * z) * (k * (n - k) / n + z * z / 4.0).sqrt();
-    ((centre - half).max(0.0), (centre + half).min(1.0))
-}
-
-impl core::fmt::Display for Table {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        const GRADES: [Grade; 5] = [Grade::Right, Grade::Half, Grade::Miss, Grade::Wrong, Grade::Alarm];
-        writeln!(
-            f,
-            "{:26} {:>6} {:>6} {:>6} {:>6} {:>6}",
-            "hidden", "right", "half", "miss", "wrong", "alarm"
-        )?;
-        let mut kinds: Vec<&str> = self.counts.iter().map(|c| c.0).collect();
-        kinds.sort_unstable();
-        kinds.dedup();
-        for kind in kinds {
-            write!(f, "{kind:26}")?;
-            for grade in GRADES {
-                let n: usize = self.counts.iter().filter(|c| c.0 == kind && c.1 == grade).map(|c| c.2).sum();
-                write!(f, " {n:6}")?;
+        let mut sum = (0.0, 0);
+        for effect in d.effects.iter().filter(|e| e.name != DITHER) {
+            for (i, (estimate, sigma)) in effect.estimate.iter().zip(&effect.sigma).enumerate() {
+                sum.0 += ((estimate - self.truth.value(&effect.name, i)) / sigma).powi(2);
+                sum.1 += 1;
             }
-            writeln!(f)?;
         }
-        write!(f, "{:26}", "all")?;
-        for grade in GRADES {
-            write!(f, " {:6}", self.count(grade))?;
-        }
-        writeln!(f)?;
-        for (grade, name) in
-            [(Grade::Right, "right"), (Grade::Wrong, "wrong names"), (Grade::Alarm, "alarms")]
-        {
-            let (low, high) = wilson(self.count(grade), self.cases());
-            writeln!(f, "{name}: {:.1} % to {:.1} % (95 %)", 100.0 * low, 100.0 * high)?;
-        }
-        write!(f, "score {:.3} over {} cases", self.score(), self.cases())
+        (sum.1 > 0).then_some(sum)
     }
 }
 
-/// Why a trial could not be made.
-#[derive(Clone, Debug, thiserror::Error)]
-pub enum TrialError {
-    /// The rig refused a scenario.
-    #[error("seed {seed}: {source}")]
-    Scenario {
-        /// Of which case.
-        seed: u64,
-        /// Why.
-        source: ScenarioError,
-    },
-    /// The diagnosis failed.
-    #[error("seed {seed}: {source}")]
-    Diagnosis {
-        /// Of which case.
-        seed: u64,
-        /// Why.
-        source: Error,
-    },
-}
-
-/// Draws and diagnoses the cases of `seeds`, telling `seen` of each.
-///
-/// # Errors
-/// When a case cannot be simulated or diagnosed.
-pub fn self_test(
-    seeds: core::ops::Range<u64>,
-    options: &Options,
-    seen: &mut dyn FnMut(&Case, &Diagnosis, Grade),
-) -> Result<Table, TrialError> {
-    let mut table = Table::default();
-    for seed in seeds {
-        let case = Case::draw(seed).map_err(|source| TrialError::Scenario { seed, source })?;
-        let d = case.diagnose(options).map_err(|source| TrialError::Diagnosis { seed, source })?;
-        let grade = case.grade(&d);
-        table.add(case.hidden.kind(), grade);
-        seen(&case, &d, grade);
+/// Blocks of a declared filter.
+fn has(filter: &str, block: &str) -> bool {
+    let mut found = block == DITHER && filter == "43d-b";
+    if let Some(info) = FILTERS.iter().find(|f| f.name == filter) {
+        info.describe(&mut |state| found |= state.block == block);
     }
-    Ok(table)
+    found
 }
 
+/// Whether a filter has none of `names`, and for the dither's size effect the inner lever arms through which it acts.
+fn lacks(filter: &str, names: &[&str]) -> bool {
+    names.iter().all(|n| !has(filter, n)) && (!names.contains(&DITHER) || has(filter, "inner-lever-arm"))
+}
+
+/// Log `run` of the unit, and its truth.
 fn simulate(
     seed: u64,
     filter: &str,
     hidden: &Hidden,
-    names: &[&str],
-    second: bool,
-) -> Result<(Vec<Sample>, rig::Description), ScenarioError> {
-    let mut scenario = Scenario::default().with_rate(25.0)?;
-    let own = |name: &str| {
-        matches!(
-            name,
-            "gyro-scale"
-                | "gyro-misalignment"
-                | "gyro-bias"
-                | "accel-scale"
-                | "accel-misalignment"
-                | "accel-bias"
-                | "accel-quadratic"
-                | "outer-lever-arm"
-        ) || filter == "39d-p" && name == "inner-lever-arm"
-    };
-    let dithers = names.contains(&"dither-size-effect");
-    scenario.keep_effects(|name| own(name) || dithers && name == "dither-size-effect");
+    run: u64,
+) -> Result<((Vec<Sample>, rig::Description), rig::Truth), ScenarioError> {
+    let mut stream = Stream::new(seed, "blind/scene");
+    let rate = [25.0, 50.0][stream.below(2)];
+    let swapped = stream.below(2) as u64;
+    let mut scenario = Scenario::default().with_rate(rate)?;
+    let names = hidden.names();
+    let dithers = names.contains(&DITHER) || has(filter, DITHER);
+    scenario.keep_effects(|name| has(filter, name) || dithers && name == DITHER);
+    scenario.run = run;
     scenario.motion.still = 150.0;
     scenario.motion.dwell = 80.0;
-    scenario.temperature.profile =
-        TemperatureProfile::Ramps(vec![(0.0, 20.0), (700.0, 38.0), (1300.0, 30.0), (2000.0, 33.0)]);
     scenario.dither.mode = if dithers { DitherMode::Mean } else { DitherMode::Off };
     scenario.dither.period = 1500.0;
     scenario.dither.change = if matches!(hidden, Hidden::NotExcited(_)) { 0.0 } else { 0.3 };
-    if second {
-        scenario.run = 1;
+    if run != swapped {
         scenario.motion.path = Path::NineteenPositions;
-        scenario.temperature.profile =
-            TemperatureProfile::Ramps(vec![(0.0, 33.0), (500.0, 22.0), (1200.0, 36.0), (2000.0, 24.0)]);
     }
+    scenario.temperature.profile = TemperatureProfile::Ramps(if run == 0 {
+        vec![(0.0, 20.0), (700.0, 38.0), (1300.0, 30.0), (2000.0, 33.0)]
+    } else {
+        vec![(0.0, 33.0), (500.0, 22.0), (1200.0, 36.0), (2000.0, 24.0)]
+    });
     let mut stream = Stream::new(seed, "blind/size");
-    for name in names.iter().filter(|n| **n != "dither-size-effect") {
+    for name in names.iter().filter(|n| **n != DITHER) {
         let Some(effect) = effect(name) else { continue };
         let size = match hidden {
             Hidden::Effects(_, strength) => {
@@ -398,11 +306,12 @@ fn simulate(
     }
     let simulation = Simulation::new(&scenario, seed)?;
     let description = simulation.description().clone();
+    let truth = simulation.truth().clone();
     let mut samples: Vec<Sample> = simulation.collect();
     if let Hidden::Outside(name, strength) = hidden {
         hide(name, *strength, scenario.rate, &mut samples, &mut stream);
     }
-    Ok((samples, description))
+    Ok(((samples, description), truth))
 }
 
 /// Adds an error that no block models to the samples.
