@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use gap::{Diagnosis, Options};
+use gap::menu::menu_named;
+use gap::{Diagnosis, LogGap, Options, Verdict};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Result, miette};
 use sinscal::{FILTERS, InitialAttitude, Sample};
@@ -91,6 +92,9 @@ impl Arguments {
         let mut found = found
             .ok_or_else(|| miette!("there is no filter called {}", filter.name))?
             .map_err(|error| miette!("{}: {error}", first.log.table().display()))?;
+        if matches!(found.verdict, Verdict::Ambiguous | Verdict::NotConfirmed) {
+            plan(filter.name, &mut found)?;
+        }
         if let (Some(folder), Some(_)) = (&self.out, &found.source) {
             found.declaration = Some(folder.join(DECLARATION).display().to_string());
         }
@@ -106,6 +110,15 @@ impl Arguments {
     }
 }
 
+/// Where the log does not decide, the run that would: simulated, so it is worth its seconds only then.
+fn plan(filter: &str, found: &mut Diagnosis) -> Result<()> {
+    let Some(menu) = menu_named(filter) else { return Ok(()) };
+    let menu = menu.into_diagnostic()?;
+    let undecided = found.undecided();
+    found.next_run.splice(0..0, undecided.iter().filter_map(|(effect, other)| menu.sentence(effect, other)));
+    Ok(())
+}
+
 /// The finding for people: the sentence, then the evidence.
 fn text(found: &Diagnosis) -> String {
     let mut text = format!("{}\n", found.sentence);
@@ -119,6 +132,12 @@ fn text(found: &Diagnosis) -> String {
         "\nnoise against the description: gyro {:.2}, accelerometer {:.2}, reference {:.2}",
         noise.gyro, noise.accel, noise.reference
     );
+    if let Some(gap) = &found.gap {
+        before_and_after("this log", &gap.fit, &mut text);
+        if let Some(verify) = &gap.verify {
+            before_and_after("the second log", verify, &mut text);
+        }
+    }
     if !found.rivals.is_empty() {
         let _ = writeln!(text, "\n{:28} {:>12} {:>12} {:>14}", "effect", "-log10 p", "after", "gain");
         let mut rivals: Vec<_> = found.rivals.iter().collect();
@@ -146,6 +165,25 @@ fn text(found: &Diagnosis) -> String {
         let _ = writeln!(text, "\nthe filter with what was found:\n\n{source}");
     }
     text
+}
+
+/// The gap on one log, without and with what was found.
+fn before_and_after(log: &str, gap: &LogGap, text: &mut String) {
+    // Writing to a string does not fail.
+    let _ = writeln!(text, "\n{log:54} {:>12} {:>12}", "before", "after");
+    let mut line = |what: String, before: f64, after: f64, digits: usize| {
+        let _ = writeln!(text, "{what:54} {before:>12.digits$} {after:>12.digits$}");
+    };
+    line("normalised innovations, root mean square".into(), gap.rms_before, gap.rms_after, 2);
+    line("log-likelihood".into(), gap.log_likelihood_before, gap.log_likelihood_after, 0);
+    let unit = if gap.free_run_of == "velocity" { "m/s" } else { "m" };
+    let predicted =
+        format!("{} predicted over {:.0} s without updates, {unit}", gap.free_run_of, gap.horizon_s);
+    line(predicted, gap.free_run_before, gap.free_run_after, 5);
+    if let Some(horizontal) = &gap.horizontal {
+        let what = "free-inertial with the first log's values: horizontal, m";
+        line(what.into(), horizontal.before_m, horizontal.after_m, 0);
+    }
 }
 
 /// What the next run should do: one line for each way to run, with the pairs that it would tell apart.

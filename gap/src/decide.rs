@@ -1,7 +1,7 @@
 //! From prices to a verdict.
 
 use crate::name::{MARGIN, Search, Tried, search};
-use crate::noise::CAP;
+use crate::noise::TRUSTED;
 use crate::open::Open;
 use crate::report::Verdict;
 use crate::scene::Scene;
@@ -170,14 +170,12 @@ fn is_silent(second: &Scene, open: Option<&Open>, threshold: f64) -> bool {
 
 /// No effect of the library is significant.
 fn nothing_named(first: &Scene, mut found: Search, loud: Vec<(usize, crate::prices::Score)>) -> Decision {
-    let n = first.noise;
-    let at_cap = [n.gyro, n.accel, n.reference].iter().any(|s| *s > CAP * 0.98);
     let (verdict, reason) = if !loud.is_empty() {
         (Verdict::OutsideLibrary, None)
-    } else if at_cap {
+    } else if first.noise_hides {
         (
             Verdict::NotConfirmed,
-            Some(format!("the noise is at least {CAP} times what is stated, and may hide anything")),
+            Some(format!("the noise is more than {TRUSTED} times what is stated, and may hide anything")),
         )
     } else {
         (Verdict::NothingMissing, None)

@@ -6,12 +6,14 @@ use sinscal::Strapdown;
 use crate::decide::{Decision, decide};
 use crate::declaration::declaration;
 use crate::excite::indistinguishable;
-use crate::linear::{FreeRun, Noise, Recorded, run_free};
+use crate::linear::Noise;
 use crate::locate::{locate, locate_family};
 use crate::open::Open;
-use crate::report::{Diagnosis, FoundEffect, Gap, LogGap, NoiseScale, Rival, Verdict};
-use crate::run::{Declared, Log, Machine, Ran};
+use crate::report::{Diagnosis, FoundEffect, NoiseScale, Rival, Verdict};
+use crate::rerun::rerun;
+use crate::run::{Declared, Log, Machine};
 use crate::scene::{EXCITED, Scene, SceneError};
+use crate::white::whiteness;
 use crate::{CandidateStates, Candidates, say, threshold};
 
 /// How to diagnose.
@@ -68,8 +70,11 @@ impl Error {
     }
 }
 
-const FIRST: &str = "log";
-const SECOND: &str = "verification log";
+/// log10 of a p-value of whiteness that is worth a note.
+const COLOURED: f64 = -6.0;
+
+pub(crate) const FIRST: &str = "log";
+pub(crate) const SECOND: &str = "verification log";
 
 /// Diagnoses `log` with the declared filter `F` against the catalogue, and asks `verify` where there is one.
 ///
@@ -133,7 +138,7 @@ macro_rules! named {
 named!(Sins36P, Sins39P, Sins40P, Sins43P, Sins43B, Mems30, Tracked35);
 
 /// Two things at once.
-fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B) -> (Option<A>, B) {
+pub(crate) fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B) -> (Option<A>, B) {
     std::thread::scope(|scope| {
         let other = scope.spawn(a);
         let mine = b();
@@ -164,7 +169,7 @@ fn workflow(
     let mut d = report(machine, &first, second.as_ref(), open.as_ref(), &decision);
     if options.rerun && !decision.best.groups.is_empty() {
         progress("running the filter with what was found", 0.7);
-        rerun(machine, log, verify, &first, second.as_ref(), &decision, &mut d)?;
+        rerun(machine, log, verify, (&first, second.as_ref()), &decision, &mut d)?;
     }
     d.sentence = say::sentence(&d, decision.best.gain, decision.reason.as_deref());
     progress("done", 1.0);
@@ -237,6 +242,7 @@ fn report(
             accel: first.noise.accel,
             reference: first.noise.reference,
         },
+        whiteness: whiteness(first, best),
         gap: None,
         declaration: None,
         source,
@@ -249,6 +255,12 @@ fn report(
         effects(first, second, decision, &mut d);
     }
     notes(first, second, open, decision, &mut d);
+    if let Some(white) = d.whiteness.filter(|w| w.log10_p_after < COLOURED) {
+        d.notes.push(format!(
+            "what is left is not white noise (Ljung-Box p = 1e{:.0}): the errors of the reference or of the sensors are correlated in time",
+            white.log10_p_after
+        ));
+    }
     for pair in &d.indistinguishable {
         d.notes.push(format!("on this path {} cannot be told apart from {}", pair[0], pair[1]));
     }
@@ -348,68 +360,4 @@ fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
             note(format!("{} gains {gain:.0} on top, in {}", open.prices.groups[*g].name, open.units[*g]));
         }
     }
-}
-
-/// Runs base and extended filter on both logs, closed loop and relinearised, and compares.
-fn rerun(
-    machine: &dyn Machine,
-    log: &Log,
-    verify: Option<&Log>,
-    first: &Scene,
-    second: Option<&Scene>,
-    decision: &Decision,
-    d: &mut Diagnosis,
-) -> Result<(), Error> {
-    let names: Vec<&str> =
-        decision.best.groups.iter().map(|g| first.prices.groups[*g].name.as_str()).collect();
-    let takes = |block: &str| names.contains(&block);
-    let pair = |log: &Log, scene: &Scene| -> Result<(LogGap, Ran), SceneError> {
-        let before = machine.run(log, &|_| false)?;
-        let after = machine.run(log, &takes)?;
-        let (start, end) = before.recording.span();
-        let horizon = ((end - start) / 40.0).min(60.0);
-        let measure = |ran: &Ran| -> Result<(f64, f64, (f64, &'static str)), SceneError> {
-            let mut columns = ran.recording.base();
-            columns.extend(ran.recording.candidates());
-            let mut free = FreeRun::new(horizon, (start + end) / 2.0);
-            let none = Recorded(&[]);
-            let found = run_free(&ran.recording, &columns, &none, &scene.noise, &mut |_| {}, &mut free)
-                .ok_or(SceneError::Indefinite)?;
-            let rms = (found.gram[0] / found.degrees_of_freedom as f64).sqrt();
-            Ok((rms, found.log_likelihood, free.rms()))
-        };
-        let (b, a) = (measure(&before)?, measure(&after)?);
-        let there: Option<Vec<usize>> = names.iter().map(|n| scene.prices.find(n)).collect();
-        let gap = LogGap {
-            rms_before: b.0,
-            rms_after: a.0,
-            log_likelihood_before: b.1,
-            log_likelihood_after: a.1,
-            log_likelihood_gain_priced: there.map_or(f64::NAN, |g| scene.prices.gain(&g)),
-            free_run_before: b.2.0,
-            free_run_after: a.2.0,
-            free_run_of: b.2.1,
-            horizon_s: horizon,
-        };
-        Ok((gap, after))
-    };
-    let (there, here) = both(|| verify.zip(second).map(|(log, scene)| pair(log, scene)), || pair(log, first));
-    let (fit, after) = here.map_err(|e| Error::of(FIRST, e))?;
-    let verify = there.flatten().transpose().map_err(|e| Error::of(SECOND, e))?;
-    let values = |ran: &Ran, name: &str| -> Vec<(f64, f64)> {
-        let columns = ran.recording.columns().iter().zip(&ran.estimate);
-        columns.filter(|(c, _)| c.info.block == name && !c.base).map(|(_, e)| *e).collect()
-    };
-    for effect in &mut d.effects {
-        let here = values(&after, &effect.name);
-        // pricing has the fitted noise, the closed loop the stated one: keep the former's standard deviations
-        if here.len() == effect.estimate.len() {
-            effect.estimate = here.iter().map(|e| e.0).collect();
-        }
-        if let Some((_, ran)) = &verify {
-            effect.estimate_verify = Some(values(ran, &effect.name).iter().map(|e| e.0).collect());
-        }
-    }
-    d.gap = Some(Gap { fit, verify: verify.map(|v| v.0) });
-    Ok(())
 }

@@ -8,6 +8,8 @@ use crate::recording::{CORE, Motion, Recording, Step};
 pub(crate) const TURNING: f64 = 0.01;
 /// Size of a family's effect before it is seen, as a fraction of the prior of the bias it changes.
 const SIZE: f64 = 0.05;
+/// Name of the family of all steps.
+pub(crate) const RANDOM_WALK: &str = "random walk of the bias";
 /// The log is cut into so many stretches, each with a bias of its own.
 const STRETCHES: usize = 8;
 
@@ -130,6 +132,7 @@ impl<'a> Dictionary<'a> {
             for (name, unit, feature) in BOTH.iter().chain(families) {
                 new.add(recording, triad, &columns, name, unit, *feature);
             }
+            new.add_random_walk(triad);
         }
         new
     }
@@ -164,6 +167,22 @@ impl<'a> Dictionary<'a> {
         }
         self.groups.push(Group { name: format!("{name} in the {triad}s"), members });
         self.units.push(format!("({})/({unit})", recording.columns[columns[0]].info.unit));
+    }
+
+    /// A walk is a sum of steps: one family of them all.
+    fn add_random_walk(&mut self, triad: &str) {
+        let steps = self
+            .groups
+            .iter()
+            .enumerate()
+            .filter(|(_, g)| g.name.starts_with("step") && g.name.ends_with(&format!("{triad}s")));
+        let (members, units): (Vec<_>, Vec<_>) =
+            steps.map(|(i, g)| (g.members.clone(), self.units[i].clone())).unzip();
+        if let Some(unit) = units.into_iter().next() {
+            self.groups
+                .push(Group { name: format!("{RANDOM_WALK} in the {triad}s"), members: members.concat() });
+            self.units.push(unit);
+        }
     }
 
     /// Number of family columns; the library's come after them.

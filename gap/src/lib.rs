@@ -41,11 +41,13 @@ mod pricing;
 mod random;
 mod recording;
 mod report;
+mod rerun;
 mod run;
 mod say;
 mod scene;
 mod threshold;
 mod verify;
+mod white;
 
 pub use candidates::{CandidateStates, Candidates};
 pub use chi2::ln_survival;
@@ -53,5 +55,7 @@ pub use declaration::{BaseFilter, declaration};
 pub use diagnose::{Error, Options, diagnose, diagnose_named, diagnose_with};
 pub use linear::Noise;
 pub use pricing::Pricing;
-pub use report::{Diagnosis, Evidence, FoundEffect, Gap, LogGap, NoiseScale, Place, Rival, Verdict};
+pub use report::{
+    Diagnosis, Evidence, FoundEffect, Gap, Horizontal, LogGap, NoiseScale, Place, Rival, Verdict,
+};
 pub use run::Log;

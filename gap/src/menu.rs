@@ -6,10 +6,12 @@ use rig::scenario::Path;
 use rig::{DitherMode, Scenario, ScenarioError, Simulation, TemperatureProfile};
 use sinscal::{Sample, Strapdown};
 
+use crate::diagnose::both;
 use crate::excite::information;
 use crate::linear::Noise;
+use crate::prices::Prices;
 use crate::run::{Declared, Log, Machine};
-use crate::scene::SceneError;
+use crate::scene::{EXCITED, SceneError};
 use crate::{CandidateStates, Candidates, Error};
 
 /// A run of the menu, and how well it would show an effect beside another.
@@ -68,50 +70,104 @@ fn turns(angle: f64, spread: f64) -> Vec<Turn> {
     list
 }
 
-/// The runs of the menu for filter `F`, the one that shows `effect` best beside `other` first.
-///
-/// # Errors
-/// When a run cannot be simulated or the filter diverges.
-pub fn propose<F>(effect: &str, other: &str) -> Result<Vec<Proposal>, ProposalError>
-where
-    F: Filter<Dynamics = Strapdown>,
-    Extended<F, Candidates, CandidateStates>: Filter<Dynamics = Strapdown>,
-{
-    let machine = Declared::<F, Candidates, CandidateStates>::new();
-    let mut all = Vec::new();
-    for (run, change) in MENU {
-        let mut scenario = Scenario::default().with_rate(20.0)?.modelled_by::<F>();
-        scenario.motion.still = 100.0;
-        scenario.motion.dwell = 50.0;
-        scenario.temperature.profile = TemperatureProfile::Constant(30.0);
-        scenario.dither.mode = DitherMode::Mean;
-        scenario.dither.change = 0.0;
-        change(&mut scenario);
-        let simulation = Simulation::new(&scenario, 1)?;
-        let description = simulation.description().clone();
-        let samples: Vec<Sample> = simulation.collect();
-        let setup = description.setup(&[]);
-        let ran = machine
-            .run(&Log { samples: &samples, setup: &setup }, &|_| true)
-            .map_err(|e| Error::of("menu", SceneError::Diverged(e)))?;
-        let shows = shown(&ran.recording, effect, other).unwrap_or(0.0);
-        all.push(Proposal { run, shows });
-    }
-    all.sort_by(|a, b| b.shows.total_cmp(&a.shows));
-    Ok(all)
+/// What each run of the menu, simulated with a filter, would say of everything.
+#[derive(Debug)]
+pub struct Menu {
+    runs: Vec<(&'static str, Prices, usize)>,
 }
 
-fn shown(recording: &crate::recording::Recording, effect: &str, other: &str) -> Option<f64> {
-    let everything = information(recording, &Noise::STATED)?;
-    let base = recording.base().len();
-    let mut free: Vec<usize> = everything
-        .all()
-        .into_iter()
-        .filter(|g| everything.groups[*g].members.iter().all(|m| *m < base))
-        .collect();
+impl Menu {
+    /// Simulates the menu for filter `F`: a few seconds.
+    ///
+    /// # Errors
+    /// When a run cannot be simulated or the filter diverges.
+    pub fn new<F>() -> Result<Self, ProposalError>
+    where
+        F: Filter<Dynamics = Strapdown>,
+        Extended<F, Candidates, CandidateStates>: Filter<Dynamics = Strapdown>,
+    {
+        let machine = Declared::<F, Candidates, CandidateStates>::new();
+        let simulated = |(run, change): &(&'static str, Change)| -> Result<_, ProposalError> {
+            let mut scenario = Scenario::default().with_rate(20.0)?.modelled_by::<F>();
+            scenario.motion.still = 100.0;
+            scenario.motion.dwell = 50.0;
+            scenario.temperature.profile = TemperatureProfile::Constant(30.0);
+            scenario.dither.mode = DitherMode::Mean;
+            scenario.dither.change = 0.0;
+            change(&mut scenario);
+            let simulation = Simulation::new(&scenario, 1)?;
+            let description = simulation.description().clone();
+            let samples: Vec<Sample> = simulation.collect();
+            let setup = description.setup(&[]);
+            let broken = |e| ProposalError::Diagnosis(Error::of("menu", e));
+            let ran = machine
+                .run(&Log { samples: &samples, setup: &setup }, &|_| true)
+                .map_err(|e| broken(SceneError::Diverged(e)))?;
+            let everything = information(&ran.recording, &Noise::STATED);
+            Ok((*run, everything.ok_or(broken(SceneError::Indefinite))?, ran.recording.base().len()))
+        };
+        let (left, right) = MENU.split_at(MENU.len() / 2);
+        let some =
+            |part: &[(&'static str, Change)]| part.iter().map(simulated).collect::<Result<Vec<_>, _>>();
+        let (other, mine) = both(|| some(right), || some(left));
+        let mut runs = mine?;
+        runs.extend(other.transpose()?.unwrap_or_default());
+        Ok(Self { runs })
+    }
+
+    /// The runs, the one that shows `effect` best beside `other` first.
+    pub fn propose(&self, effect: &str, other: &str) -> Vec<Proposal> {
+        let mut all: Vec<Proposal> = self
+            .runs
+            .iter()
+            .map(|(run, everything, base)| Proposal {
+                run,
+                shows: shown(everything, *base, effect, other).unwrap_or(0.0),
+            })
+            .collect();
+        all.sort_by(|a, b| b.shows.total_cmp(&a.shows));
+        all
+    }
+
+    /// The run that tells two effects apart, in a sentence; nothing where no run of the menu shows either beside the other.
+    pub fn sentence(&self, effect: &str, other: &str) -> Option<String> {
+        let best = |a: &str, b: &str| self.propose(a, b).into_iter().next();
+        let proposal = best(effect, other)
+            .into_iter()
+            .chain(best(other, effect))
+            .max_by(|a, b| a.shows.total_cmp(&b.shows))
+            .filter(|proposal| proposal.shows > EXCITED)?;
+        let Proposal { run, shows } = proposal;
+        Some(format!(
+            "{effect} against {other}: {run}; simulated, an effect of its prior's size shows at {shows:.0} sigma beside the other"
+        ))
+    }
+}
+
+/// Standard deviations that `effect` would show in its worst direction, with the filter's own parameters and `other` free.
+fn shown(everything: &Prices, base: usize, effect: &str, other: &str) -> Option<f64> {
+    let own = |g: &usize| everything.groups[*g].members.iter().all(|m| *m < base);
+    let mut free: Vec<usize> = everything.all().into_iter().filter(own).collect();
     let g = everything.find(effect)?;
     if let Some(other) = everything.find(other).filter(|o| !free.contains(o)) {
         free.push(other);
     }
     Some(everything.given(&free)?.excitation(g).1)
 }
+
+macro_rules! named {
+    ($($filter:ident),+ $(,)?) => {
+        /// The menu for the filter of a name; `None` when there is none.
+        ///
+        /// # Errors
+        /// When a run cannot be simulated or the filter diverges.
+        pub fn menu_named(filter: &str) -> Option<Result<Menu, ProposalError>> {
+            $(if filter == <sinscal::$filter as Filter>::NAME {
+                return Some(Menu::new::<sinscal::$filter>());
+            })+
+            None
+        }
+    };
+}
+
+named!(Sins36P, Sins39P, Sins40P, Sins43P, Sins43B);

@@ -7,7 +7,11 @@ use crate::prices::{Prices, groups_of};
 use crate::recording::Recording;
 
 /// Scales are sought between 2/7 of what is stated and 3.5 times that.
-pub(crate) const CAP: f64 = 3.5;
+const CAP: f64 = 3.5;
+/// Noise that is certainly more than this may hide anything.
+pub(crate) const TRUSTED: f64 = 3.0;
+/// "Certainly": so much worse is the objective at the trusted scale.
+const CERTAIN: f64 = 2.0;
 /// Steps the fit looks at, about.
 const STEPS: usize = 900;
 /// Standard deviation of the logarithm of a scale before the fit.
@@ -21,10 +25,13 @@ pub(crate) fn price(recording: &Recording, noise: &Noise) -> Option<(f64, Prices
     Some((found.log_likelihood, Prices::new(&found.gram, sigma, groups_of(&recording.columns, &priced))))
 }
 
+fn noise_of(x: &Vector3<f64>) -> Noise {
+    Noise { gyro: x[0].exp(), accel: x[1].exp(), reference: x[2].exp() }
+}
+
 /// Log-likelihood of the filter with every candidate, and a weak preference for what is stated.
 fn objective(recording: &Recording, x: &Vector3<f64>) -> f64 {
-    let noise = Noise { gyro: x[0].exp(), accel: x[1].exp(), reference: x[2].exp() };
-    match price(recording, &noise) {
+    match price(recording, &noise_of(x)) {
         Some((log_likelihood, prices)) => {
             log_likelihood + prices.gain(&prices.all()) - 0.5 * x.norm_squared() / (PRIOR * PRIOR)
         }
@@ -44,8 +51,9 @@ fn objectives(recording: &Recording, places: &[Vector3<f64>]) -> Vec<f64> {
     })
 }
 
-/// Fits the noise scales under base and all candidates by Newton's method in their logarithms.
-pub(crate) fn fit(recording: &Recording) -> Noise {
+/// Fits the noise scales under base and all candidates by Newton's method in their logarithms; also whether one of them is
+/// certainly beyond what may be trusted.
+pub(crate) fn fit(recording: &Recording) -> (Noise, bool) {
     let keep = (recording.updates() / STEPS).max(1);
     let short;
     let recording = if keep > 1 {
@@ -109,5 +117,17 @@ pub(crate) fn fit(recording: &Recording) -> Noise {
             break;
         }
     }
-    Noise { gyro: x[0].exp(), accel: x[1].exp(), reference: x[2].exp() }
+    let beyond: Vec<Vector3<f64>> = (0..3)
+        .filter(|i| x[*i] > TRUSTED.ln())
+        .map(|i| {
+            let mut trusted = x;
+            trusted[i] = TRUSTED.ln();
+            trusted
+        })
+        .collect();
+    let hides = !beyond.is_empty() && {
+        let best = objective(recording, &x);
+        objectives(recording, &beyond).into_iter().any(|trusted| trusted < best - CERTAIN)
+    };
+    (noise_of(&x), hides)
 }

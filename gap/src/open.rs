@@ -1,6 +1,6 @@
 //! The open stage: is something there that no effect of the library explains?
 
-use crate::dictionary::Dictionary;
+use crate::dictionary::{Dictionary, RANDOM_WALK};
 use crate::linear::run;
 use crate::name::MARGIN;
 use crate::prices::{Prices, Score, groups_of};
@@ -127,7 +127,7 @@ impl Open {
     /// Log of the e-value of family `g` on another log. What happened once, at its time, says nothing about another log.
     fn carried(&self, g: usize, other: &Self) -> f64 {
         let group = &self.prices.groups[g];
-        if group.name.starts_with("step") {
+        if group.name.starts_with("step") || group.name.starts_with(RANDOM_WALK) {
             return 0.0;
         }
         let Some(there) = other.prices.groups[..other.families].iter().position(|o| o.name == group.name)

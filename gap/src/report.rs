@@ -103,6 +103,28 @@ pub struct LogGap {
     pub free_run_of: &'static str,
     /// Length of each prediction, s.
     pub horizon_s: f64,
+    /// Free-inertial navigation of the log with what the first log said, where the observed point stands still.
+    pub horizontal: Option<Horizontal>,
+}
+
+/// Largest horizontal error of free-inertial navigation, height held, after an alignment of a quarter of the log, at most 900 s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Horizontal {
+    /// With the parameters of the declared filter, m.
+    pub before_m: f64,
+    /// With those of the extended filter, m.
+    pub after_m: f64,
+}
+
+/// Whether the whitened innovations are white: Ljung-Box over all channels together.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Whiteness {
+    /// Autocorrelations tested in each channel.
+    pub lags: usize,
+    /// log10 of the p-value of the filter as declared.
+    pub log10_p_before: f64,
+    /// The same with what was found, at the values found.
+    pub log10_p_after: f64,
 }
 
 /// The gap on both logs.
@@ -148,6 +170,8 @@ pub struct Diagnosis {
     pub r#where: Vec<Place>,
     /// Noise fitted under the filter with every candidate.
     pub noise_scale: NoiseScale,
+    /// Whether the innovations are white under that noise.
+    pub whiteness: Option<Whiteness>,
     /// The gap before and after.
     pub gap: Option<Gap>,
     /// Path of the written Rust source; the program fills it in.
@@ -162,4 +186,30 @@ pub struct Diagnosis {
     pub notes: Vec<String>,
     /// What the next run should do.
     pub next_run: Vec<String>,
+}
+
+impl Diagnosis {
+    /// Pairs of effects that another run would have to part: where one set that explains the data has one and another set
+    /// the other, and what this path cannot tell from a member of a set.
+    pub fn undecided(&self) -> Vec<(String, String)> {
+        let mut pairs: Vec<(String, String)> = Vec::new();
+        let mut add = |a: &String, b: &String| {
+            if !pairs.iter().any(|p| p.0 == *a && p.1 == *b || p.0 == *b && p.1 == *a) {
+                pairs.push((a.clone(), b.clone()));
+            }
+        };
+        if let Some((best, others)) = self.ambiguous.split_first() {
+            for other in others {
+                for a in best.iter().filter(|a| !other.contains(a)) {
+                    other.iter().filter(|b| !best.contains(b)).for_each(|b| add(a, b));
+                }
+            }
+            for pair in &self.indistinguishable {
+                if best.contains(&pair[0]) || best.contains(&pair[1]) {
+                    add(&pair[0], &pair[1]);
+                }
+            }
+        }
+        pairs
+    }
 }

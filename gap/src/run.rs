@@ -1,6 +1,7 @@
 //! The nonlinear runs: the declared filter with chosen candidates, closed loop, relinearised, recorded.
 
 use calib_core::{Array, Block, Dynamics, Extended, Filter, Shape};
+use sinscal::navigation::{Pilot, pilot_of};
 use sinscal::{Calibration, Diverged, Sample, Setup, StateInfo, Strapdown};
 
 use crate::candidates::prior_factor;
@@ -37,6 +38,8 @@ pub(crate) trait Machine: Sync {
     fn has(&self, block: &str) -> bool;
     /// Runs the filter with those candidates that `takes` names, until it has settled.
     fn run(&self, log: &Log, takes: &(dyn Fn(&str) -> bool + Sync)) -> Result<Ran, Diverged>;
+    /// Navigates with parameters in the order of the columns of a run; those it did not have are zero.
+    fn pilot(&self, setup: &Setup, parameters: &[f64]) -> Box<dyn Pilot>;
 }
 
 /// The types of a filter, without one.
@@ -100,6 +103,12 @@ where
                 sigma * prior_factor(log.setup, info.block)
             }
         })
+    }
+
+    fn pilot(&self, setup: &Setup, parameters: &[f64]) -> Box<dyn Pilot> {
+        let mut states = <Extended<F, B, K> as Filter>::Shape::vector(0.0);
+        states.as_mut_slice()[CORE..].iter_mut().zip(parameters).for_each(|(state, value)| *state = *value);
+        pilot_of::<Extended<F, B, K>>(setup, &states)
     }
 }
 

@@ -15,7 +15,11 @@ pub(crate) const EXCITED: f64 = 3.0;
 /// Everything that the later stages ask of a log.
 pub(crate) struct Scene {
     pub(crate) ran: Ran,
+    /// Whether the observed point stays where it is.
+    pub(crate) fixed: bool,
     pub(crate) noise: Noise,
+    /// Whether the noise is so much more than stated that it may hide anything.
+    pub(crate) noise_hides: bool,
     pub(crate) prices: Prices,
     /// The same from the first half of the log alone.
     pub(crate) half: Prices,
@@ -35,7 +39,7 @@ impl Scene {
         if ran.recording.updates() < 100 {
             return Err(SceneError::TooShort { updates: ran.recording.updates() });
         }
-        let noise = noise::fit(&ran.recording);
+        let (noise, noise_hides) = noise::fit(&ran.recording);
         let recording = &ran.recording;
         let priced = recording.candidates();
         let sigma: Vec<f64> = priced.iter().map(|c| recording.columns()[*c].prior).collect();
@@ -59,7 +63,7 @@ impl Scene {
         let groups = groups_of(recording.columns(), &priced);
         let prices = Prices::new(&found.gram, sigma.clone(), groups.clone());
         let half = Prices::new(&half, sigma, groups);
-        Ok(Self { ran, noise, prices, half })
+        Ok(Self { ran, fixed, noise, noise_hides, prices, half })
     }
 
     /// Groups that the path excites.

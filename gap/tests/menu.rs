@@ -1,11 +1,11 @@
 //! The next run that would decide.
 
-use gap::menu::propose;
+use gap::menu::Menu;
 use sinscal::{Sins36P, Sins39P};
 
 #[test]
 fn changing_dither_parts_the_size_effect_from_the_bias() {
-    let menu = propose::<Sins39P>("dither-size-effect", "accel-bias").unwrap();
+    let menu = Menu::new::<Sins39P>().unwrap().propose("dither-size-effect", "accel-bias");
     assert!(menu[0].run.contains("dither amplitude"), "{menu:?}");
     assert!(menu[0].shows > 3.0 && menu[1].shows < 1.0, "{menu:?}");
 }
@@ -13,7 +13,7 @@ fn changing_dither_parts_the_size_effect_from_the_bias() {
 #[test]
 #[ignore = "seven simulated runs: run with --release -- --ignored"]
 fn several_rates_part_the_nonlinearity_from_the_scale_factor() {
-    let menu = propose::<Sins36P>("gyro-rate-nonlinearity", "gyro-scale").unwrap();
+    let menu = Menu::new::<Sins36P>().unwrap().propose("gyro-rate-nonlinearity", "gyro-scale");
     let shows = |run: &str| menu.iter().find(|p| p.run.contains(run)).map_or(0.0, |p| p.shows);
     assert!(shows("5, 20 and 60 deg/s") > 3.0 * shows("eighteen rotations at 10 deg/s"), "{menu:?}");
 }

@@ -15,7 +15,7 @@
 mod pilot;
 
 #[cfg(feature = "std")]
-pub use pilot::{Pilot, pilot};
+pub use pilot::{Pilot, pilot, pilot_of};
 
 #[cfg(feature = "std")]
 use calib_core::Conventional;
@@ -122,7 +122,8 @@ impl<F: Filter<Dynamics = Strapdown>> FreeInertial<F> {
         let (mut i, mut axis) = (0, 0);
         F::states(&mut |info| {
             if info.block == "outer-lever-arm" {
-                lever[axis] += parameters[i];
+                // a filter extended by a second such block has the sum of both
+                lever[axis % 3] += parameters[i];
                 axis += 1;
             }
             i += 1;

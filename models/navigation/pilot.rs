@@ -2,7 +2,7 @@
 
 use std::boxed::Box;
 
-use calib_core::Filter;
+use calib_core::{Filter, Vector};
 use nalgebra::Vector3;
 
 use super::{Alignment, Drift, FreeInertial, parameters_of};
@@ -46,12 +46,19 @@ impl<V: FnMut(&StateInfo) -> Option<f64>> FilterVisitor for Board<'_, V> {
     type Output = Box<dyn Pilot>;
 
     fn visit<F: Filter<Dynamics = Strapdown>>(self) -> Self::Output {
-        let parameters = parameters_of::<F>(self.setup, self.value);
-        Box::new(Aboard::<F> {
-            alignment: Some(Alignment::new(self.setup, &parameters)),
-            run: FreeInertial::new(self.setup, &parameters),
-        })
+        pilot_of::<F>(self.setup, &parameters_of::<F>(self.setup, self.value))
     }
+}
+
+/// A pilot for filter `F` with known `parameters`.
+pub fn pilot_of<F: Filter<Dynamics = Strapdown>>(
+    setup: &Setup,
+    parameters: &Vector<F, f64>,
+) -> Box<dyn Pilot> {
+    Box::new(Aboard::<F> {
+        alignment: Some(Alignment::new(setup, parameters)),
+        run: FreeInertial::new(setup, parameters),
+    })
 }
 
 struct Aboard<F: Filter<Dynamics = Strapdown>> {

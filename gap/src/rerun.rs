@@ -1,0 +1,119 @@
+//! What was named is added and really run: the gap before and after.
+
+use crate::decide::Decision;
+use crate::diagnose::{Error, FIRST, SECOND, both};
+use crate::linear::{FreeRun, Recorded, run_free};
+use crate::report::{Diagnosis, Gap, Horizontal, LogGap};
+use crate::run::{Log, Machine, Ran};
+use crate::scene::{Scene, SceneError};
+
+/// Longest alignment before navigation, s; a short log gives a quarter of itself.
+const ALIGNMENT: f64 = 900.0;
+
+/// The declared filter and the extended one on one log, closed loop and relinearised.
+struct Pair {
+    before: Ran,
+    after: Ran,
+    gap: LogGap,
+}
+
+impl Pair {
+    fn run(machine: &dyn Machine, names: &[&str], log: &Log, scene: &Scene) -> Result<Self, SceneError> {
+        let before = machine.run(log, &|_| false)?;
+        let after = machine.run(log, &|block| names.contains(&block))?;
+        let (start, end) = before.recording.span();
+        let horizon = ((end - start) / 40.0).min(60.0);
+        let measure = |ran: &Ran| -> Result<(f64, f64, (f64, &'static str)), SceneError> {
+            let mut columns = ran.recording.base();
+            columns.extend(ran.recording.candidates());
+            let mut free = FreeRun::new(horizon, (start + end) / 2.0);
+            let none = Recorded(&[]);
+            let found = run_free(&ran.recording, &columns, &none, &scene.noise, &mut |_| {}, &mut free)
+                .ok_or(SceneError::Indefinite)?;
+            let rms = (found.gram[0] / found.degrees_of_freedom as f64).sqrt();
+            Ok((rms, found.log_likelihood, free.rms()))
+        };
+        let (b, a) = (measure(&before)?, measure(&after)?);
+        let there: Option<Vec<usize>> = names.iter().map(|n| scene.prices.find(n)).collect();
+        let gap = LogGap {
+            rms_before: b.0,
+            rms_after: a.0,
+            log_likelihood_before: b.1,
+            log_likelihood_after: a.1,
+            log_likelihood_gain_priced: there.map_or(f64::NAN, |g| scene.prices.gain(&g)),
+            free_run_before: b.2.0,
+            free_run_after: a.2.0,
+            free_run_of: b.2.1,
+            horizon_s: horizon,
+            horizontal: None,
+        };
+        Ok(Self { before, after, gap })
+    }
+
+    /// Values of an added block.
+    fn values(&self, block: &str) -> Vec<f64> {
+        let columns = self.after.recording.columns().iter().zip(&self.after.estimate);
+        columns.filter(|(c, _)| c.info.block == block && !c.base).map(|(_, e)| e.0).collect()
+    }
+}
+
+/// Largest horizontal error, m, of `log` navigated free-inertially with the parameters that a run found.
+fn navigated(machine: &dyn Machine, log: &Log, ran: &Ran) -> Option<f64> {
+    let (first, last) = (log.samples.first()?.time, log.samples.last()?.time);
+    let until = first + ALIGNMENT.min(0.25 * (last - first));
+    let values: Vec<f64> = ran.estimate.iter().map(|e| e.0).collect();
+    let mut pilot = machine.pilot(log.setup, &values);
+    for sample in log.samples.iter().take_while(|s| s.time <= until) {
+        pilot.step(sample).ok()?;
+    }
+    if !pilot.depart() {
+        return None;
+    }
+    for sample in log.samples {
+        pilot.step(sample).ok()?;
+    }
+    let drift = pilot.drift();
+    (drift.comparisons > 0 && drift.largest.is_finite()).then_some(drift.largest)
+}
+
+/// Runs base and extended filter on both logs and compares.
+pub(crate) fn rerun(
+    machine: &dyn Machine,
+    log: &Log,
+    verify: Option<&Log>,
+    scenes: (&Scene, Option<&Scene>),
+    decision: &Decision,
+    d: &mut Diagnosis,
+) -> Result<(), Error> {
+    let (first, second) = scenes;
+    let names: Vec<&str> =
+        decision.best.groups.iter().map(|g| first.prices.groups[*g].name.as_str()).collect();
+    let (there, here) = both(
+        || verify.zip(second).map(|(log, scene)| Pair::run(machine, &names, log, scene)),
+        || Pair::run(machine, &names, log, first),
+    );
+    let mut here = here.map_err(|e| Error::of(FIRST, e))?;
+    let mut there = there.flatten().transpose().map_err(|e| Error::of(SECOND, e))?;
+    for effect in &mut d.effects {
+        let values = here.values(&effect.name);
+        // pricing has the fitted noise, the closed loop the stated one: keep the former's standard deviations
+        if values.len() == effect.estimate.len() {
+            effect.estimate = values;
+        }
+        effect.estimate_verify = there.as_ref().map(|pair| pair.values(&effect.name));
+    }
+    // the second log is navigated with what the first one said
+    let fly = |log: &Log, scene: &Scene| {
+        let (before, after) = scene.fixed.then(|| {
+            both(|| navigated(machine, log, &here.before), || navigated(machine, log, &here.after))
+        })?;
+        Some(Horizontal { before_m: before.flatten()?, after_m: after? })
+    };
+    let beyond = verify.zip(second).and_then(|(log, scene)| fly(log, scene));
+    here.gap.horizontal = fly(log, first);
+    if let Some(pair) = &mut there {
+        pair.gap.horizontal = beyond;
+    }
+    d.gap = Some(Gap { fit: here.gap, verify: there.map(|pair| pair.gap) });
+    Ok(())
+}
