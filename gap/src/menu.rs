@@ -101,7 +101,7 @@ impl Menu {
             let setup = description.setup(&[]);
             let broken = |e| ProposalError::Diagnosis(Error::of("menu", e));
             let ran = machine
-                .run(&Log { samples: &samples, setup: &setup }, &|_| true)
+                .run(&Log { samples: &samples, setup: &setup }, &|_| 1.0)
                 .map_err(|e| broken(SceneError::Diverged(e)))?;
             let everything = information(&ran.recording, &Noise::STATED);
             Ok((*run, everything.ok_or(broken(SceneError::Indefinite))?, ran.recording.base().len()))

@@ -8,6 +8,9 @@ use crate::recording::Column;
 /// A direction of an effect in which its prior size would not even show as one standard deviation is left out of tests.
 const SEEN: f64 = 1.0;
 
+/// Estimates beyond so many standard deviations of their prior show that it was too narrow.
+const BEYOND: f64 = 2.0;
+
 /// Inverse variance of a wide prior, in units of a block's.
 const WIDE: f64 = 1e-2;
 
@@ -58,11 +61,17 @@ impl Prices {
         self.groups.iter().position(|g| g.name == name)
     }
 
-    /// `Lambda + prior` of some columns, factored; `prior` is 1 for that of the blocks.
-    fn posterior_factor(&self, members: &[usize], prior: f64) -> Option<Cholesky<f64, Dyn>> {
-        let mut m = self.lambda.select_rows(members).select_columns(members);
-        for i in 0..members.len() {
-            m[(i, i)] += prior;
+    /// `Lambda + prior` of the columns of some groups, factored; `prior` is the inverse variance of each group, 1 for that
+    /// of its block.
+    fn posterior_factor(&self, groups: &[usize], prior: impl Fn(usize) -> f64) -> Option<Cholesky<f64, Dyn>> {
+        let members = self.members(groups);
+        let mut m = self.lambda.select_rows(&members).select_columns(&members);
+        let mut at = 0;
+        for (i, g) in groups.iter().enumerate() {
+            for _ in &self.groups[*g].members {
+                m[(at, at)] += prior(i);
+                at += 1;
+            }
         }
         Cholesky::new(m)
     }
@@ -73,7 +82,7 @@ impl Prices {
         if members.is_empty() {
             return 0.0;
         }
-        let Some(factor) = self.posterior_factor(&members, 1.0) else { return f64::NAN };
+        let Some(factor) = self.posterior_factor(groups, |_| 1.0) else { return f64::NAN };
         let b = self.b.select_rows(&members);
         0.5 * b.dot(&factor.solve(&b)) - factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>()
     }
@@ -92,10 +101,25 @@ impl Prices {
         seen.map(|(value, direction)| 0.5 * (direction.dot(&b).powi(2) / value - cost)).sum()
     }
 
+    /// How many times larger than expected each group's prior must be for what the data say of it: an effect that shows
+    /// clearly beyond its prior must not be pulled back by it.
+    pub(crate) fn sizes(&self, groups: &[usize]) -> Option<Vec<f64>> {
+        let members = self.members(groups);
+        let mean = self.posterior_factor(groups, |_| 1.0)?.solve(&self.b.select_rows(&members));
+        let mut at = 0;
+        let largest = groups.iter().map(|g| {
+            let n = self.groups[*g].members.len();
+            at += n;
+            mean.rows(at - n, n).amax()
+        });
+        Some(largest.map(|size| if size > BEYOND { size } else { 1.0 }).collect())
+    }
+
     /// Estimates of the columns of some groups and their covariance, both in physical units.
     pub(crate) fn posterior(&self, groups: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let members = self.members(groups);
-        let factor = self.posterior_factor(&members, 1.0)?;
+        let sizes = self.sizes(groups)?;
+        let factor = self.posterior_factor(groups, |i| 1.0 / (sizes[i] * sizes[i]))?;
         let scale = DVector::from_iterator(members.len(), members.iter().map(|i| self.sigma[*i]));
         let mean = factor.solve(&self.b.select_rows(&members)).component_mul(&scale);
         let mut covariance = factor.inverse();
@@ -142,7 +166,7 @@ impl Prices {
         if members.is_empty() {
             return Some(self.clone());
         }
-        let factor = self.posterior_factor(&members, WIDE)?;
+        let factor = self.posterior_factor(groups, |_| WIDE)?;
         let cross = self.lambda.select_rows(&members);
         let gained = factor.solve(&cross);
         let b = &self.b - gained.transpose() * self.b.select_rows(&members);

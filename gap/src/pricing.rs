@@ -40,7 +40,7 @@ impl Pricing {
     {
         let machine = Declared::<F, Candidates, CandidateStates>::new();
         let recording =
-            machine.run(log, &|_| true).map_err(|e| Error::of("log", SceneError::Diverged(e)))?.recording;
+            machine.run(log, &|_| 1.0).map_err(|e| Error::of("log", SceneError::Diverged(e)))?.recording;
         let (base, prices) = noise::price(&recording, &noise).ok_or(Error::Indefinite { log: "log" })?;
         Ok(Self { recording, noise, base, prices })
     }

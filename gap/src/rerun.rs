@@ -10,7 +10,7 @@ use crate::scene::{Scene, SceneError};
 /// Longest alignment before navigation, s; a short log gives a quarter of itself.
 const ALIGNMENT: f64 = 900.0;
 
-/// The declared filter and the extended one on one log, closed loop and relinearised.
+/// The declared filter and the one extended by blocks with their sizes on one log, closed loop and relinearised.
 struct Pair {
     before: Ran,
     after: Ran,
@@ -18,9 +18,14 @@ struct Pair {
 }
 
 impl Pair {
-    fn run(machine: &dyn Machine, names: &[&str], log: &Log, scene: &Scene) -> Result<Self, SceneError> {
-        let before = machine.run(log, &|_| false)?;
-        let after = machine.run(log, &|block| names.contains(&block))?;
+    fn run(
+        machine: &dyn Machine,
+        added: &[(&str, f64)],
+        log: &Log,
+        scene: &Scene,
+    ) -> Result<Self, SceneError> {
+        let before = machine.run(log, &|_| 0.0)?;
+        let after = machine.run(log, &|block| added.iter().find(|a| a.0 == block).map_or(0.0, |a| a.1))?;
         let (start, end) = before.recording.span();
         let horizon = ((end - start) / 40.0).min(60.0);
         let measure = |ran: &Ran| -> Result<(f64, f64, (f64, &'static str)), SceneError> {
@@ -34,7 +39,7 @@ impl Pair {
             Ok((rms, found.log_likelihood, free.rms()))
         };
         let (b, a) = (measure(&before)?, measure(&after)?);
-        let there: Option<Vec<usize>> = names.iter().map(|n| scene.prices.find(n)).collect();
+        let there: Option<Vec<usize>> = added.iter().map(|a| scene.prices.find(a.0)).collect();
         let gap = LogGap {
             rms_before: b.0,
             rms_after: a.0,
@@ -86,11 +91,13 @@ pub(crate) fn rerun(
     d: &mut Diagnosis,
 ) -> Result<(), Error> {
     let (first, second) = scenes;
-    let names: Vec<&str> =
-        decision.best.groups.iter().map(|g| first.prices.groups[*g].name.as_str()).collect();
+    let best = &decision.best.groups;
+    let sizes = first.prices.sizes(best).ok_or(Error::Indefinite { log: FIRST })?;
+    let added: Vec<(&str, f64)> =
+        best.iter().map(|g| first.prices.groups[*g].name.as_str()).zip(sizes).collect();
     let (there, here) = both(
-        || verify.zip(second).map(|(log, scene)| Pair::run(machine, &names, log, scene)),
-        || Pair::run(machine, &names, log, first),
+        || verify.zip(second).map(|(log, scene)| Pair::run(machine, &added, log, scene)),
+        || Pair::run(machine, &added, log, first),
     );
     let mut here = here.map_err(|e| Error::of(FIRST, e))?;
     let mut there = there.flatten().transpose().map_err(|e| Error::of(SECOND, e))?;

@@ -36,8 +36,9 @@ pub(crate) trait Machine: Sync {
     fn base(&self) -> BaseFilter;
     /// Whether the declared filter has a block.
     fn has(&self, block: &str) -> bool;
-    /// Runs the filter with those candidates that `takes` names, until it has settled.
-    fn run(&self, log: &Log, takes: &(dyn Fn(&str) -> bool + Sync)) -> Result<Ran, Diverged>;
+    /// Runs the filter until it has settled; each candidate's prior is multiplied by `size`, and a candidate of size zero
+    /// takes no part.
+    fn run(&self, log: &Log, size: &(dyn Fn(&str) -> f64 + Sync)) -> Result<Ran, Diverged>;
     /// Navigates with parameters in the order of the columns of a run; those it did not have are zero.
     fn pilot(&self, setup: &Setup, parameters: &[f64]) -> Box<dyn Pilot>;
 }
@@ -91,16 +92,16 @@ where
             || block == "dither-size-effect" && F::SET.contains(sinscal::blocks::set::DITHER)
     }
 
-    fn run(&self, log: &Log, takes: &(dyn Fn(&str) -> bool + Sync)) -> Result<Ran, Diverged> {
+    fn run(&self, log: &Log, size: &(dyn Fn(&str) -> f64 + Sync)) -> Result<Ran, Diverged> {
         let own = F::Shape::STATES;
-        if !blocks::<B>().into_iter().any(takes) {
+        if !blocks::<B>().into_iter().any(|block| size(block) > 0.0) {
             return drive::<F>(log, own, &|_, sigma| sigma);
         }
         drive::<Extended<F, B, K>>(log, own, &|info, sigma| {
-            if self.has(info.block) || !takes(info.block) {
+            if self.has(info.block) {
                 0.0
             } else {
-                sigma * prior_factor(log.setup, info.block)
+                sigma * size(info.block) * prior_factor(log.setup, info.block)
             }
         })
     }

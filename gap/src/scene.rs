@@ -35,7 +35,7 @@ impl Scene {
             "reference-misalignment" => attitude,
             _ => true,
         };
-        let ran = machine.run(log, &takes)?;
+        let ran = machine.run(log, &|block| f64::from(u8::from(takes(block))))?;
         if ran.recording.updates() < 100 {
             return Err(SceneError::TooShort { updates: ran.recording.updates() });
         }
