@@ -247,14 +247,24 @@ impl CoarseCalibration {
     }
 
     /// Adds to `values` of parameters, found by a filter on compensated samples, what was taken out of the samples: with the
-    /// filter's K and b they are `(I + K_c)(I + K) - I` and `b_c + (I + K_c) b`.
+    /// filter's K and b they are `(I + K_c)(I + K) - I` and `b_c + (I + K_c) b`. What else adds to the reading of an axis, as
+    /// nonlinearity and temperature do, reads as much larger as the axis's scale factor.
     pub fn total(&self, states: &[StateInfo], values: &mut [f64]) {
         let place = |p: &CoarseParameter| {
             states.iter().position(|state| state.block == p.name && state.component == p.component)
         };
         let places: Vec<Option<usize>> = self.parameters().map(|parameter| place(&parameter)).collect();
         let rest: [f64; N] = core::array::from_fn(|i| places[i].map_or(0.0, |at| values[at]));
-        let total = fit::compose(&self.used(), &rest);
+        let used = self.used();
+        for (state, value) in states.iter().zip(values.iter_mut()) {
+            let first = if state.block.starts_with("accel-") { 9 } else { 0 };
+            let adds = first > 0 || state.block.starts_with("gyro-");
+            let axis = ["x", "y", "z"].iter().position(|axis| *axis == state.component);
+            if let Some(axis) = axis.filter(|_| adds) {
+                *value *= 1.0 + used[first + axis];
+            }
+        }
+        let total = fit::compose(&used, &rest);
         for (i, at) in places.iter().enumerate() {
             if let Some(at) = at {
                 values[*at] = total[i];

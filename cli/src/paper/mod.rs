@@ -53,7 +53,7 @@ pub(crate) struct Arguments {
     out: Option<PathBuf>,
 }
 
-fn hours(text: &str) -> Result<f64, String> {
+pub(crate) fn hours(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(hours) if (0.1..=1000.0).contains(&hours) => Ok(hours),
         _ => Err("a number of hours from 0.1 to 1000 was expected".into()),
