@@ -124,7 +124,7 @@ fn compare<F: Filter<Dynamics = Strapdown>>(large: &Scenario, small: &Scenario, 
     for ((info, error, sigma), (_, other, _)) in from_large.iter().zip(&from_small) {
         let name = format!("{} {}: {error:.1e} and {other:.1e} of {sigma:.1e}", info.block, info.component);
         println!("{name}: {:.2} sigmas, {:.2} apart", error / sigma, (error - other) / sigma);
-        assert!(error.abs() < 4.0 * sigma && (error - other).abs() < 0.5 * sigma, "{name}");
+        assert!(error.abs() < 4.0 * sigma && (error - other).abs() < 0.3 * sigma, "{name}");
     }
 }
 
