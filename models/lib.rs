@@ -146,7 +146,7 @@ pub use observer::{Observer, Updated};
 pub use sample::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Site};
 pub use signals::{Point, Signals};
 #[cfg(feature = "std")]
-pub use smoothing::{Smoothed, Smoother};
+pub use smoothing::{Smoothed, Smoother, Tape};
 pub use state_macro::StateBlocks;
 pub use strapdown_model::{FORCE, RATE, Strapdown};
 

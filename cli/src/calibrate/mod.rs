@@ -2,6 +2,7 @@
 
 mod json;
 mod run;
+mod tape;
 mod text;
 
 use std::path::PathBuf;

@@ -9,6 +9,7 @@ use sinscal::{
 };
 
 use super::Form;
+use super::tape::FileTape;
 use crate::history::History;
 use crate::log::{Bridged, Log};
 use crate::setup;
@@ -77,7 +78,9 @@ impl Run<'_> {
         let mut samples = 0_u64;
         let mut times = (0.0, 0.0);
         let mut bridged = Bridged::default();
-        let mut smoother = Smoother::<F>::default();
+        // the tape stays empty where nothing is smoothed
+        let trouble = |error| miette!("the temporary file of the smoother: {error}");
+        let mut smoother = Smoother::<F, FileTape>::new(FileTape::new().map_err(trouble)?);
 
         let bar = progress_bar(self.log.size() * u64::from(self.options.passes));
         for pass in 0..self.options.passes {
@@ -118,6 +121,10 @@ impl Run<'_> {
         history.push(times.1, |put| {
             parameters.iter().for_each(|parameter| put(parameter.value, parameter.sigma));
         });
+        let smoothed = match self.options.smooth {
+            true => Some(smoother.finish(&calibration.covariance()).map_err(trouble)?),
+            false => None,
+        };
         Ok(Outcome {
             samples: samples - bridged.rows,
             duration: times.1 - times.0,
@@ -129,7 +136,7 @@ impl Run<'_> {
             position: calibration.position(),
             velocity: calibration.navigation().velocity,
             bridged,
-            smoothed: self.options.smooth.then(|| smoother.finish()),
+            smoothed,
         })
     }
 }

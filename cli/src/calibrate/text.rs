@@ -143,12 +143,19 @@ pub(super) fn history(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> 
 
 /// The smoothed navigation solution as CSV, one line for each update.
 pub(super) fn trajectory(smoothed: &[Smoothed], site: &Site, file: &mut dyn Write) -> io::Result<()> {
-    writeln!(file, "time_s,quat_w,quat_x,quat_y,quat_z,vel_e,vel_n,vel_u,pos_e,pos_n,pos_u")?;
-    for Smoothed { time, navigation } in smoothed {
+    write!(file, "time_s,quat_w,quat_x,quat_y,quat_z,vel_e,vel_n,vel_u,pos_e,pos_n,pos_u")?;
+    for quantity in ["att", "vel", "pos"] {
+        for axis in ["e", "n", "u"] {
+            write!(file, ",{quantity}_{axis}.sigma")?;
+        }
+    }
+    writeln!(file)?;
+    for point in smoothed {
+        let Smoothed { time, navigation, .. } = point;
         let (q, v, p) = (navigation.attitude, navigation.velocity, navigation.position(site));
         let numbers = [q.w, q.i, q.j, q.k, v.x, v.y, v.z, p.x, p.y, p.z];
         write!(file, "{time}")?;
-        for number in numbers {
+        for number in numbers.into_iter().chain(point.sigmas()) {
             write!(file, ",{number:e}")?;
         }
         writeln!(file)?;
