@@ -88,8 +88,9 @@ impl Arguments {
         let delay = delay::Turn::figure_3(plan.scenario.site);
         let simulation = Simulation::new(&plan.scenario, self.seed).map_err(|error| miette!("{error}"))?;
         let description = simulation.description().clone();
+        let extent = (0.0, plan.scenario.duration());
         let samples = Box::new(simulation.map(Ok));
-        let observability = look("43d-b", &description.setup(&[]), "the simulated log", samples)
+        let observability = look("43d-b", &description.setup(&[]), "the simulated log", extent, samples)
             .unwrap_or_else(|| Err(miette!("there is no filter called 43d-b")))?;
         let (results, traces) = units(&plan, self.seed, self.units)?;
         let first = results.first().cloned().ok_or_else(|| miette!("there is no unit"))?;
