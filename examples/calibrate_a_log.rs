@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let description = log.description().clone();
 
     let mut run = Calibration::<Sins40P>::new(&description.setup(&[]));
-    let mut smoother = Smoother::default();
+    let mut smoother: Smoother<Sins40P> = Smoother::default();
     for sample in log {
         if let Some(update) = run.step_observed(&sample, &mut smoother)? {
             let expected = update.degrees_of_freedom as f64;
@@ -58,7 +58,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let delay = Sins40P::view(&x, &p).delay();
     println!("delay {:.3} +- {:.3} ms", delay.values()[0] * 1e3, delay.sigma(0) * 1e3);
 
-    let first = smoother.finish()[0].navigation.attitude.euler_angles();
+    let smoothed = smoother.finish(&p)?;
+    let first = smoothed[0].navigation.attitude.euler_angles();
     println!("attitude at the start, known from the whole run: {:.4?} rad", first);
     Ok(())
 }

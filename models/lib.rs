@@ -87,7 +87,7 @@
 //!
 //! # Features
 //!
-//! - `std` (default): faster elementary functions, and [`Smoother`]. Without it the library neither allocates nor links
+//! - `std` (default): faster elementary functions, [`Coarse`] and [`Smoother`]. Without it the library neither allocates nor links
 //!   the standard library.
 //! - `check`: the Jacobian checker `sinscal::check`, for the tests of your own blocks.
 #![cfg_attr(not(feature = "std"), no_std)]
@@ -97,6 +97,8 @@ extern crate self as sinscal;
 mod align;
 pub mod blocks;
 mod calibration;
+#[cfg(feature = "std")]
+mod coarse;
 mod compensation;
 pub mod earth;
 mod effects;
@@ -132,6 +134,8 @@ pub use calib_core::{
     Innovation, Kalman, Need, Real, Relaxation, Residuals, Shape, StateInfo, Transition, Ud, View,
 };
 pub use calibration::{Calibration, Diverged, Parameter, Statistics, Update};
+#[cfg(feature = "std")]
+pub use coarse::{Coarse, CoarseCalibration, CoarseError, CoarseParameter, UnknownPulses};
 pub use compensation::{Compensator, input_errors};
 pub use effects::{EFFECTS, Effect, EffectInfo, effect};
 pub use filters::{
@@ -142,7 +146,7 @@ pub use observer::{Observer, Updated};
 pub use sample::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Site};
 pub use signals::{Point, Signals};
 #[cfg(feature = "std")]
-pub use smoothing::{Smoothed, Smoother};
+pub use smoothing::{Smoothed, Smoother, Tape};
 pub use state_macro::StateBlocks;
 pub use strapdown_model::{FORCE, RATE, Strapdown};
 

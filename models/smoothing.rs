@@ -2,35 +2,72 @@
 //!
 //! The parameters of a calibration are constant, and what the filter says of them at the end is what a smoother would say
 //! at any time. The navigation solution is not: the attitude an hour ago is known better with the hour since. The
-//! smoother is that of Rauch, Tung and Striebel (*AIAA Journal* 3(8), 1965) with the gain `G = F^-1 (I - Q P^-1)`, which is
-//! theirs for an invertible F and needs no covariance but the predicted one.
+//! smoother is that of Rauch, Tung and Striebel (*AIAA Journal* 3(8), 1965). With P the predicted covariance, Q its noise and
+//! F the transition, their gain is `G = F^-1 (I - Q P^-1)`, and one step back
+//!
+//! ```text
+//! x_s <- G x_s          P_s <- G P_s G^T + F^-1 (Q - Q P^-1 Q) F^-T
+//! ```
+//!
+//! which needs no filtered covariance and keeps P_s positive. Only the leading rows of G are not those of the identity: they
+//! are computed on the way there and put on a [`Tape`], which is read backwards.
 
+use std::io;
 use std::vec::Vec;
 
-use calib_core::{CoreRows, CoreVector, Filter, Form, Kalman, Shape, Transition, Vector};
-use nalgebra::{DMatrix, DVector, Vector3};
+use calib_core::{CoreRows, CoreVector, Filter, Form, Kalman, Matrix, Shape, Transition};
+use nalgebra::{DMatrix, DVector, Quaternion, SMatrix, UnitQuaternion, Vector3};
 
 use crate::strapdown::NavigationState;
 use crate::{Observer, Strapdown, Updated};
 
+/// Leading states of every filter: attitude, velocity, position.
+const C: usize = 9;
+/// Time and navigation solution of an update.
+const SOLUTION: usize = 11;
+
+/// Records of one length, written one after the other and read from the last to the first.
+pub trait Tape {
+    /// Appends a record.
+    ///
+    /// # Errors
+    /// When it cannot be kept.
+    fn push(&mut self, record: &[f64]) -> io::Result<()>;
+
+    /// Takes the last record; `false` when none is left.
+    ///
+    /// # Errors
+    /// When it cannot be had back.
+    fn pop(&mut self, record: &mut [f64]) -> io::Result<bool>;
+}
+
+/// A tape in memory.
+impl Tape for Vec<f64> {
+    fn push(&mut self, record: &[f64]) -> io::Result<()> {
+        self.extend_from_slice(record);
+        Ok(())
+    }
+
+    fn pop(&mut self, record: &mut [f64]) -> io::Result<bool> {
+        let Some(start) = self.len().checked_sub(record.len()) else { return Ok(false) };
+        record.copy_from_slice(&self[start..]);
+        self.truncate(start);
+        Ok(true)
+    }
+}
+
 /// Remembers a run, then smooths its navigation solution. Hand it to
 /// [`Calibration::step_observed`](crate::Calibration::step_observed) in the last pass.
 ///
-/// It holds about `N^2 / 2 + 12 N` numbers for each update of a filter of N states: 40 MB for an hour of updates at 1 Hz
-/// with 43 states.
-pub struct Smoother<F: Filter<Dynamics = Strapdown>> {
-    steps: Vec<Step<F>>,
-}
-
-/// One prediction with the update that followed it, if one did.
-struct Step<F: Filter<Dynamics = Strapdown>> {
-    rows: CoreRows<F, f64>,
-    noise: DMatrix<f64>,
-    /// Lower triangle of the predicted covariance, row after row.
-    predicted: Vec<f64>,
-    /// What the update added to the state vector.
-    change: Vector<F, f64>,
-    solution: Option<(f64, NavigationState<f64>)>,
+/// It puts `10 N + 101` numbers on the tape for each update of a filter of N states: 15 MB for an hour of updates at 1 Hz
+/// with 43 states. Elsewhere it keeps nothing that grows, but for what [`finish`](Self::finish) returns.
+pub struct Smoother<F: Filter<Dynamics = Strapdown>, T: Tape = Vec<f64>> {
+    tape: T,
+    prediction: Option<(CoreRows<F, f64>, DMatrix<f64>)>,
+    /// The record of the last prediction: leading rows of its gain, noise of the step back, then what an update fills in.
+    record: Vec<f64>,
+    pending: bool,
+    failure: Option<io::Error>,
 }
 
 /// The navigation solution at one update, with everything that was measured before and after it.
@@ -40,114 +77,202 @@ pub struct Smoothed {
     pub time: f64,
     /// The smoothed solution.
     pub navigation: NavigationState<f64>,
+    /// Covariance of the errors of attitude (rad), velocity (m/s) and position (m) in n.
+    pub covariance: SMatrix<f64, C, C>,
 }
 
-impl<F: Filter<Dynamics = Strapdown>> Default for Smoother<F> {
+impl Smoothed {
+    /// Standard deviations of attitude (rad), velocity (m/s) and position (m) in n.
+    pub fn sigmas(&self) -> [f64; C] {
+        core::array::from_fn(|i| self.covariance[(i, i)].max(0.0).sqrt())
+    }
+}
+
+impl<F: Filter<Dynamics = Strapdown>, T: Tape + Default> Default for Smoother<F, T> {
     fn default() -> Self {
-        Self { steps: Vec::new() }
+        Self::new(T::default())
     }
 }
 
-impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Smoother<F> {
+impl<F: Filter<Dynamics = Strapdown>, T: Tape> Observer<F> for Smoother<F, T> {
     fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
+        self.keep();
         let q = transition.noise(density);
-        self.steps.push(Step {
-            rows: transition.rows().clone(),
-            noise: DMatrix::from_fn(F::Shape::CORE, F::Shape::CORE, |i, j| q[i][j]),
-            predicted: Vec::new(),
-            change: F::Shape::vector(0.0),
-            solution: None,
-        });
+        self.prediction = Some((transition.rows().clone(), DMatrix::from_fn(C, C, |i, j| q[i][j])));
     }
 
-    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
+    fn moved<K: Form>(&mut self, kalman: &Kalman<F, f64, K>) {
+        let Some((rows, q)) = self.prediction.take() else { return };
+        let n = F::Shape::STATES;
         let p = kalman.covariance();
-        if let Some(step) = self.steps.last_mut() {
-            let n = F::Shape::STATES;
-            step.predicted =
-                (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| p[i][j]).collect();
+        let factor = Factor::new(n, |i, j| p[i][j]);
+        // the leading rows of P^-1
+        let mut weights = DMatrix::zeros(C, n);
+        for i in 0..C {
+            let mut unit = DVector::zeros(n);
+            unit[i] = 1.0;
+            weights.set_row(i, &factor.solve(&unit).transpose());
         }
+        let mut gain = -(&q * &weights);
+        for i in 0..C {
+            gain[(i, i)] += 1.0;
+            for j in C..n {
+                gain[(i, j)] -= rows[i][j];
+            }
+        }
+        let noise = &q - &q * weights.columns(0, C) * &q;
+        let phi = DMatrix::from_fn(C, C, |i, j| rows[i][j]).lu();
+        // phi^-1 exists: it is near the identity
+        let (Some(gain), Some(half)) = (phi.solve(&gain), phi.solve(&noise)) else { return };
+        let Some(noise) = phi.solve(&half.transpose()) else { return };
+        self.record.clear();
+        self.record.extend(gain.transpose().iter());
+        self.record.extend(noise.iter());
+        self.record.resize(length(n), 0.0);
+        // no solution yet
+        self.record[length(n) - SOLUTION] = f64::NAN;
+        self.pending = true;
     }
 
     fn updated(&mut self, update: &Updated<'_, F>) {
         // at the first sample nothing has been predicted yet
-        if let Some(step) = self.steps.last_mut() {
-            step.change = update.change.clone();
-            step.solution = Some((update.time, *update.navigation));
+        if !self.pending {
+            return;
         }
+        let n = F::Shape::STATES;
+        let at = length(n) - SOLUTION;
+        for i in 0..n {
+            self.record[at - n + i] = update.change[i];
+        }
+        let NavigationState { attitude: q, velocity: v, latitude, longitude, height } = *update.navigation;
+        let solution = [update.time, q.w, q.i, q.j, q.k, v.x, v.y, v.z, latitude, longitude, height];
+        self.record[at..].copy_from_slice(&solution);
     }
 }
 
-impl<F: Filter<Dynamics = Strapdown>> Smoother<F> {
-    /// Smooths what was observed: one solution for each update, in the order of time.
-    pub fn finish(self) -> Vec<Smoothed> {
-        let core = F::Shape::CORE;
-        let mut smoothed = Vec::with_capacity(self.steps.len());
-        // expectation of the errors of the filtered solution given the whole run
-        let mut s = DVector::<f64>::zeros(F::Shape::STATES);
-        for step in self.steps.iter().rev() {
-            if let Some((time, mut navigation)) = step.solution {
+/// Numbers in a record: gain, noise, change of the state, solution.
+fn length(states: usize) -> usize {
+    C * states + C * C + states + SOLUTION
+}
+
+impl<F: Filter<Dynamics = Strapdown>, T: Tape> Smoother<F, T> {
+    /// Begins with an empty tape.
+    pub fn new(tape: T) -> Self {
+        Self { tape, prediction: None, record: Vec::new(), pending: false, failure: None }
+    }
+
+    /// Puts the record of the last prediction on the tape.
+    fn keep(&mut self) {
+        if self.pending && self.failure.is_none() {
+            self.failure = self.tape.push(&self.record).err();
+        }
+        self.pending = false;
+    }
+
+    /// Smooths what was observed: one solution for each update, in the order of time. `covariance` is that of the run at its
+    /// end.
+    ///
+    /// # Errors
+    /// When the tape failed.
+    pub fn finish(mut self, covariance: &Matrix<F, f64>) -> io::Result<Vec<Smoothed>> {
+        self.keep();
+        if let Some(failure) = self.failure {
+            return Err(failure);
+        }
+        let n = F::Shape::STATES;
+        let mut smoothed = Vec::new();
+        // expectation of the errors of the filtered solution given the whole run, and their covariance
+        let mut s = DVector::<f64>::zeros(n);
+        let mut p = DMatrix::from_fn(n, n, |i, j| covariance[i][j]);
+        let mut record = std::vec![0.0; length(n)];
+        while self.tape.pop(&mut record)? {
+            let (gain, rest) = record.split_at(C * n);
+            let (noise, rest) = rest.split_at(C * C);
+            let (change, solution) = rest.split_at(n);
+            if let Some((time, mut navigation)) = read(solution) {
                 let part = |first: usize| Vector3::new(s[first], s[first + 1], s[first + 2]);
                 navigation.correct(&part(0), &part(3), &part(6));
-                smoothed.push(Smoothed { time, navigation });
+                let covariance = SMatrix::from_fn(|i, j| p[(i, j)]);
+                smoothed.push(Smoothed { time, navigation, covariance });
             }
-            for i in 0..F::Shape::STATES {
-                s[i] += step.change[i];
-            }
-            let weight = weigh(&step.predicted, &s);
-            let pull = &step.noise * weight.rows(0, core);
-            let mut right = DVector::from_fn(core, |i, _| s[i] - pull[i]);
-            for i in 0..core {
-                for j in core..F::Shape::STATES {
-                    right[i] -= step.rows[i][j] * s[j];
-                }
-            }
-            let phi = DMatrix::from_fn(core, core, |i, j| step.rows[i][j]);
-            if let Some(solved) = phi.lu().solve(&right) {
-                s.rows_mut(0, core).copy_from(&solved);
-            }
+            s += DVector::from_column_slice(change);
+            let gain = DMatrix::from_row_slice(C, n, gain);
+            let leading = &gain * &s;
+            s.rows_mut(0, C).copy_from(&leading);
+            // the other rows of the gain are those of the identity
+            let mixed = &gain * &p;
+            let corner = &mixed * gain.transpose() + DMatrix::from_column_slice(C, C, noise);
+            p.view_mut((0, C), (C, n - C)).copy_from(&mixed.columns(C, n - C));
+            let side = mixed.columns(C, n - C).transpose();
+            p.view_mut((C, 0), (n - C, C)).copy_from(&side);
+            p.view_mut((0, 0), (C, C)).copy_from(&((&corner + corner.transpose()) * 0.5));
         }
         smoothed.reverse();
-        smoothed
+        Ok(smoothed)
     }
 }
 
-/// `P^-1 y` by Cholesky factors of P scaled to unit diagonal; a state that is known exactly has no weight.
-fn weigh(packed: &[f64], y: &DVector<f64>) -> DVector<f64> {
-    let n = y.len();
-    let entry = |i: usize, j: usize| packed[i * (i + 1) / 2 + j];
-    let scale: Vec<f64> =
-        (0..n).map(|i| if entry(i, i) > 0.0 { 1.0 / entry(i, i).sqrt() } else { 0.0 }).collect();
-    let mut l = DMatrix::<f64>::zeros(n, n);
-    for i in 0..n {
-        for j in 0..=i {
-            let mut sum = entry(i, j) * scale[i] * scale[j];
-            for k in 0..j {
-                sum -= l[(i, k)] * l[(j, k)];
+/// Time and navigation solution, where there was an update.
+fn read(solution: &[f64]) -> Option<(f64, NavigationState<f64>)> {
+    let &[time, w, i, j, k, east, north, up, latitude, longitude, height] = solution else { return None };
+    let navigation = NavigationState {
+        attitude: UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k)),
+        velocity: Vector3::new(east, north, up),
+        latitude,
+        longitude,
+        height,
+    };
+    (!time.is_nan()).then_some((time, navigation))
+}
+
+/// Cholesky factor of a covariance scaled to unit diagonal; a state that is known exactly has no weight.
+struct Factor {
+    scale: DVector<f64>,
+    l: DMatrix<f64>,
+}
+
+impl Factor {
+    fn new(n: usize, entry: impl Fn(usize, usize) -> f64) -> Self {
+        let scale =
+            DVector::from_fn(n, |i, _| if entry(i, i) > 0.0 { 1.0 / entry(i, i).sqrt() } else { 0.0 });
+        let mut l = DMatrix::<f64>::zeros(n, n);
+        for i in 0..n {
+            for j in 0..=i {
+                let mut sum = entry(i, j) * scale[i] * scale[j];
+                for k in 0..j {
+                    sum -= l[(i, k)] * l[(j, k)];
+                }
+                l[(i, j)] = if i != j {
+                    if l[(j, j)] > 0.0 { sum / l[(j, j)] } else { 0.0 }
+                } else if sum > f64::EPSILON {
+                    sum.sqrt()
+                } else {
+                    0.0
+                };
             }
-            l[(i, j)] = if i != j {
-                if l[(j, j)] > 0.0 { sum / l[(j, j)] } else { 0.0 }
-            } else if sum > f64::EPSILON {
-                sum.sqrt()
-            } else {
-                0.0
-            };
         }
+        Self { scale, l }
     }
-    let mut w = DVector::from_fn(n, |i, _| y[i] * scale[i]);
-    for i in 0..n {
-        for k in 0..i {
-            let known = w[k];
-            w[i] -= l[(i, k)] * known;
+
+    /// `P^-1 y`.
+    fn solve(&self, y: &DVector<f64>) -> DVector<f64> {
+        let (n, l) = (y.len(), &self.l);
+        let divided = |value: f64, i: usize| if l[(i, i)] > 0.0 { value / l[(i, i)] } else { 0.0 };
+        let mut w = y.component_mul(&self.scale);
+        for i in 0..n {
+            for k in 0..i {
+                let known = w[k];
+                w[i] -= l[(i, k)] * known;
+            }
+            w[i] = divided(w[i], i);
         }
-        w[i] = if l[(i, i)] > 0.0 { w[i] / l[(i, i)] } else { 0.0 };
-    }
-    for i in (0..n).rev() {
-        for k in i + 1..n {
-            let known = w[k];
-            w[i] -= l[(k, i)] * known;
+        for i in (0..n).rev() {
+            for k in i + 1..n {
+                let known = w[k];
+                w[i] -= l[(k, i)] * known;
+            }
+            w[i] = divided(w[i], i);
         }
-        w[i] = if l[(i, i)] > 0.0 { w[i] / l[(i, i)] } else { 0.0 };
+        w.component_mul(&self.scale)
     }
-    DVector::from_fn(n, |i, _| w[i] * scale[i])
 }

@@ -2,9 +2,9 @@
 
 mod common;
 
-use calib_core::{CoreVector, Form, Kalman};
+use calib_core::{CoreVector, Form, Kalman, Matrix};
 use common::{Numbers, sample, setup, signals};
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 use sinscal::strapdown::{Increments, NavigationState};
 use sinscal::{Calibration, Conventional, Observer, Sins36P, Smoother, Transition, Updated};
 
@@ -70,7 +70,7 @@ impl Observer<F> for Both {
     }
 }
 
-fn run(pass_two: bool) -> (Both, Vec<DMatrix<f64>>) {
+fn run(pass_two: bool) -> (Both, Vec<DMatrix<f64>>, Matrix<F, f64>) {
     let setup = setup();
     let mut calibration = Calibration::<F, Conventional>::new(&setup);
     let mut filtered = Vec::new();
@@ -107,35 +107,46 @@ fn run(pass_two: bool) -> (Both, Vec<DMatrix<f64>>) {
             }
         }
     }
-    (both, filtered)
+    (both, filtered, calibration.covariance())
 }
 
 fn smoothed_as_in_the_textbook(pass_two: bool) {
-    let (both, filtered) = run(pass_two);
+    let (both, filtered, last) = run(pass_two);
     let steps = &both.textbook.steps;
     let mut s = DVector::<f64>::zeros(N);
+    let mut p = DMatrix::from_fn(N, N, |i, j| last[i][j]);
     let mut expected = Vec::new();
     for k in (0..steps.len()).rev() {
         let Step { transition, predicted, change, navigation } = &steps[k];
         if let Some(mut navigation) = *navigation {
             let part = |i: usize| Vector3::new(s[i], s[i + 1], s[i + 2]);
             navigation.correct(&part(0), &part(3), &part(6));
-            expected.push(navigation);
+            expected.push((navigation, p.diagonal().map(f64::sqrt)));
         }
         if k > 0 {
             // scaled, since variances span twenty decades
             let d = DMatrix::from_diagonal(&predicted.diagonal().map(|v| 1.0 / v.sqrt()));
             let inverse = &d * (&d * predicted * &d).try_inverse().expect("definite") * &d;
-            s = &filtered[k - 1] * transition.transpose() * inverse * (s + change);
+            let gain = &filtered[k - 1] * transition.transpose() * inverse;
+            s = &gain * (s + change);
+            p = &filtered[k - 1] + &gain * (p - predicted) * gain.transpose();
         }
     }
     expected.reverse();
-    let smoothed = both.smoother.finish();
+    let smoothed = both.smoother.finish(&last).expect("memory");
     assert_eq!(smoothed.len(), expected.len());
-    for (got, want) in smoothed.iter().zip(&expected) {
+    for (got, (want, sigmas)) in smoothed.iter().zip(&expected) {
         assert!(got.navigation.attitude.angle_to(&want.attitude) < 1e-9, "{} s", got.time);
         assert!((got.navigation.velocity - want.velocity).norm() < 1e-8, "{} s", got.time);
         assert!((got.navigation.height - want.height).abs() < 1e-7, "{} s", got.time);
+        for (i, sigma) in got.sigmas().into_iter().enumerate() {
+            assert!(
+                (sigma / sigmas[i] - 1.0).abs() < 1e-3,
+                "{} s, state {i}: {sigma} {}",
+                got.time,
+                sigmas[i]
+            );
+        }
     }
 }
 
@@ -147,4 +158,65 @@ fn a_closed_loop_is_smoothed_as_in_the_textbook() {
 #[test]
 fn a_pass_with_held_parameters_is_smoothed_as_in_the_textbook() {
     smoothed_as_in_the_textbook(true);
+}
+
+/// Over simulated units: the smoothed solution is never less certain than the filtered one, and its errors are those that its
+/// covariance says.
+#[test]
+fn smoothed_errors_are_those_that_the_covariance_says() {
+    let scenario = rig::Scenario::parse("[motion]\nstill = \"60 s\"\ndwell = \"20 s\"").expect("a scenario");
+    let scenario = scenario.modelled_by::<F>();
+    let units = 25;
+    let times = [30.0, 140.0, 300.0, 500.0];
+    let (mut smoothed_nees, mut filtered_nees) = ([0.0; 4], [0.0; 4]);
+    for unit in 1..=units {
+        let simulation = rig::Simulation::new(&scenario, unit).expect("a unit");
+        let setup = simulation.description().setup(&[]);
+        let mut calibration = Calibration::<F>::new(&setup);
+        let mut smoother: Smoother<F> = Smoother::default();
+        let mut filtered = Vec::new();
+        for pass in 0..2 {
+            if pass > 0 {
+                calibration.begin_pass();
+            }
+            for sample in simulation.clone() {
+                if pass == 0 {
+                    calibration.step(&sample).expect("no divergence");
+                } else if let Some(update) =
+                    calibration.step_observed(&sample, &mut smoother).expect("no divergence")
+                {
+                    let p = calibration.covariance();
+                    let p: SMatrix<f64, 9, 9> = SMatrix::from_fn(|i, j| p[i][j]);
+                    filtered.push((update.time, calibration.navigation(), p));
+                }
+            }
+        }
+        let smoothed = smoother.finish(&calibration.covariance()).expect("memory");
+        let nees = |time: f64, navigation: &NavigationState<f64>, p: &SMatrix<f64, 9, 9>| {
+            let (position, velocity) = simulation.position(time);
+            let truth = simulation.motion(time).0.attitude();
+            // C_hat = (I - [phi x]) C
+            let phi = -(navigation.attitude * truth.inverse()).scaled_axis();
+            let dp = navigation.position(&setup.site) - position;
+            let dv = navigation.velocity - velocity;
+            let error = SVector::<f64, 9>::from_iterator(phi.iter().chain(&dv).chain(&dp).copied());
+            let scale = SMatrix::<f64, 9, 9>::from_diagonal(&p.diagonal().map(|v| 1.0 / v.sqrt()));
+            let scaled = scale * error;
+            scaled.dot(&(scale * p * scale).cholesky().expect("definite").solve(&scaled)) / 9.0
+        };
+        // the first update comes before any prediction
+        for (got, (time, navigation, p)) in smoothed.iter().zip(&filtered[1..]) {
+            assert_eq!(got.time, *time);
+            for (i, sigma) in got.sigmas().into_iter().enumerate() {
+                assert!(sigma <= p[(i, i)].sqrt() * (1.0 + 1e-6), "unit {unit}, {time} s, state {i}");
+            }
+            if let Some(k) = times.iter().position(|wanted| (time - wanted).abs() < 0.3) {
+                smoothed_nees[k] += nees(*time, &got.navigation, &got.covariance) / units as f64;
+                filtered_nees[k] += nees(*time, navigation, p) / units as f64;
+            }
+        }
+    }
+    println!("NEES per degree of freedom: smoothed {smoothed_nees:.3?}, filtered {filtered_nees:.3?}");
+    // 99.9 % of chi-square with 225 degrees of freedom
+    assert!(smoothed_nees.iter().all(|nees| (0.718..1.340).contains(nees)), "{smoothed_nees:?}");
 }

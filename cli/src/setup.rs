@@ -1,7 +1,7 @@
 //! What the library must know of a log before its first sample.
 
 use miette::{Result, miette};
-use sinscal::{Aligner, FILTERS, FilterInfo, InitialAttitude, Setup};
+use sinscal::{Aligner, Coarse, FILTERS, FilterInfo, InitialAttitude, Setup};
 
 use crate::log::Log;
 
@@ -39,6 +39,20 @@ pub(crate) fn initial(log: &Log) -> Result<InitialAttitude> {
         }
     }
     aligner.finish().map_err(|error| miette!("{}: {error}", log.table().display()))
+}
+
+/// Takes the errors out of a log that its own still positions and turns show, and finds the sizes of its pulses.
+pub(crate) fn coarse(log: &mut Log) -> Result<()> {
+    let description = log.description();
+    let mut coarse = Coarse::new(description.site, description.rate, description.noise);
+    for sample in log.samples()? {
+        coarse.push(&sample?);
+    }
+    let found = coarse
+        .finish(log.unknown_pulses(), description.initial.as_ref())
+        .map_err(|error| miette!("{}: {error}", log.table().display()))?;
+    log.correct(found);
+    Ok(())
 }
 
 /// The filter called `name`, without regard to case.

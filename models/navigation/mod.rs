@@ -82,7 +82,9 @@ impl<F: Filter<Dynamics = Strapdown>> Alignment<F> {
 
     /// Time and solution at the first update after the first sample; `None` when there was none.
     pub fn finish(self) -> Option<(f64, NavigationState<f64>)> {
-        self.smoother.finish().first().map(|smoothed| (smoothed.time, smoothed.navigation))
+        // memory does not fail
+        let smoothed = self.smoother.finish(&self.run.covariance()).ok()?;
+        smoothed.first().map(|smoothed| (smoothed.time, smoothed.navigation))
     }
 }
 

@@ -7,11 +7,13 @@
 //!
 //! This crate does no input or output.
 
+mod map;
 mod plan;
 pub mod statistics;
 mod summary;
 mod unit;
 
+pub use map::{Cell, Sizes};
 pub use plan::{Plan, Trouble};
 pub use summary::{FilterSummary, ParameterSummary, Percentiles, Summary};
 pub use unit::{FilterResult, ParameterResult, UnitResult, Watch};

@@ -1,7 +1,7 @@
 //! Statistics of samples.
 
 use rig::random::Stream;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF};
 
 /// Resamplings of a bootstrap.
 const RESAMPLINGS: usize = 2000;
@@ -30,6 +30,17 @@ pub fn percentile(values: &[f64], p: f64) -> f64 {
 /// Middle value; NaN of nothing.
 pub fn median(values: &[f64]) -> f64 {
     percentile(values, 0.5)
+}
+
+/// Between which values the median of the population lies with at least 95 % probability, by order statistics, whatever the
+/// distribution. `None` of fewer than six values.
+pub fn median_interval_95(values: &[f64]) -> Option<[f64; 2]> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let below = Binomial::new(0.5, sorted.len() as u64).ok()?;
+    // the k-th value lies above the median when fewer than k do not
+    let k = (1..=sorted.len() / 2).rev().find(|k| below.cdf(*k as u64 - 1) <= 0.025)?;
+    Some([sorted[k - 1], sorted[sorted.len() - k]])
 }
 
 /// Part of the values whose size is at most `limit`.
@@ -81,6 +92,15 @@ mod tests {
         assert!(median(&[]).is_nan());
         assert_eq!(coverage(&[-1.0, 0.5, 2.0, -3.0], 2.0), 0.75);
         assert!((rms(&[3.0, 4.0]) - 12.5_f64.sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_interval_of_a_median_is_that_of_the_tables() {
+        // of 20 values the 6th and the 15th, of 6 the first and the last
+        let values: Vec<f64> = (1..=20).map(f64::from).collect();
+        assert_eq!(median_interval_95(&values), Some([6.0, 15.0]));
+        assert_eq!(median_interval_95(&values[..6]), Some([1.0, 6.0]));
+        assert_eq!(median_interval_95(&values[..5]), None);
     }
 
     #[test]

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use crate::statistics::{chi_square_band, coverage, mean, median, percentile, ratio_of_medians, rms};
+use crate::statistics::{
+    chi_square_band, coverage, mean, median, median_interval_95, percentile, ratio_of_medians, rms,
+};
 use crate::{FilterResult, UnitResult};
 
 /// What many units say together.
@@ -31,6 +33,8 @@ pub struct FilterSummary {
     pub consistent: bool,
     /// Largest horizontal error of each unit, m.
     pub max_horizontal_m: Option<Percentiles>,
+    /// 95 % confidence interval of its median, m; none of fewer than six units.
+    pub median_interval_95_m: Option<[f64; 2]>,
     /// Horizontal error at the end, m.
     pub final_horizontal_m: Option<Percentiles>,
     /// Median of the largest horizontal error against that of the first filter.
@@ -69,6 +73,8 @@ pub struct ParameterSummary {
     pub sigma: f64,
     /// Mean square of error over sigma.
     pub nees: f64,
+    /// Where that lies in 99 % of such campaigns if the filter knows this error.
+    pub nees_band_99: [f64; 2],
     /// Part of the units within one, two and three sigma.
     pub coverage: [f64; 3],
     /// Median of the times of convergence, s.
@@ -131,6 +137,7 @@ impl FilterSummary {
             nees_band_99: [band.0, band.1],
             consistent: (band.0..=band.1).contains(&nees_per_dof),
             max_horizontal_m: Percentiles::new(&largest(results)),
+            median_interval_95_m: median_interval_95(&largest(results)),
             final_horizontal_m: Percentiles::new(&finals),
             ratio_to_first: None,
             ratio_interval_95: None,
@@ -170,6 +177,7 @@ impl ParameterSummary {
             rms: rms(&errors),
             sigma: rms(&sigmas),
             nees: rms(&scaled).powi(2),
+            nees_band_99: chi_square_band(scaled.len(), 0.99).unwrap_or((f64::NAN, f64::NAN)).into(),
             coverage: [1.0, 2.0, 3.0].map(|limit| coverage(&scaled, limit)),
             converged_s: median(&converged),
         }

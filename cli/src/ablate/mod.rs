@@ -12,7 +12,7 @@ use serde::Serialize;
 use self::run::Fit;
 use crate::log::Log;
 use crate::navigate::run::{Flight, navigate};
-use crate::navigate::{ALIGNMENT, alignment, errors};
+use crate::navigate::{ALIGNMENT, alignment, errors, figure};
 use crate::output;
 
 /// Compare the five filters of the paper on one log, and what their calibrations are worth on another
@@ -32,7 +32,7 @@ pub(crate) struct Arguments {
     /// Write the results as JSON; `-` writes them to standard output instead of the table
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write ablation.json, ablation.txt and errors.csv (errors over time) to this folder
+    /// Write ablation.json, ablation.txt and the errors over time (errors.csv, errors.svg) to this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -92,7 +92,8 @@ impl Arguments {
             if flights.is_empty() {
                 return Ok(());
             }
-            files.write(&folder.join("errors.csv"), |file| errors(flights, file))
+            files.write(&folder.join("errors.csv"), |file| errors(flights, file))?;
+            figure(flights).draw(files, folder)
         })
     }
 }

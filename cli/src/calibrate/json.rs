@@ -5,7 +5,7 @@ use std::time::Duration;
 use miette::{IntoDiagnostic, Result};
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::Serialize;
-use sinscal::{FilterInfo, Smoothed};
+use sinscal::{CoarseCalibration, FilterInfo, Smoothed};
 
 use super::run::{Options, Outcome};
 use crate::log::Log;
@@ -28,9 +28,49 @@ pub(super) struct Report {
     log_likelihood: f64,
     bridged_rows: u64,
     log: String,
+    /// What the coarse stage took out of the samples; it is contained in the parameters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    coarse: Option<CoarseReport>,
     /// The smoothed navigation solution at the first update, with `--smooth`.
     #[serde(skip_serializing_if = "Option::is_none")]
     smoothed_start: Option<Final>,
+}
+
+#[derive(Serialize)]
+struct CoarseReport {
+    positions: usize,
+    turns: usize,
+    force_residual_m_s2: f64,
+    gyro_rad_per_pulse: Option<[f64; 3]>,
+    accel_m_s_per_pulse: Option<[f64; 3]>,
+    parameters: Vec<CoarseEntry>,
+}
+
+#[derive(Serialize)]
+struct CoarseEntry {
+    name: &'static str,
+    component: &'static str,
+    value: Option<f64>,
+    sigma: f64,
+}
+
+impl CoarseReport {
+    fn new(coarse: &CoarseCalibration) -> Self {
+        let parameters = coarse.parameters().map(|parameter| CoarseEntry {
+            name: parameter.name,
+            component: parameter.component,
+            value: parameter.determined.then_some(parameter.value),
+            sigma: parameter.sigma,
+        });
+        Self {
+            positions: coarse.positions,
+            turns: coarse.turns,
+            force_residual_m_s2: coarse.force_residual,
+            gyro_rad_per_pulse: coarse.gyro_pulse.map(Into::into),
+            accel_m_s_per_pulse: coarse.accel_pulse.map(Into::into),
+            parameters: parameters.collect(),
+        }
+    }
 }
 
 /// One parameter; what the data cannot show has no value.
@@ -103,6 +143,7 @@ impl Report {
             log_likelihood: outcome.statistics.log_likelihood,
             bridged_rows: outcome.bridged.rows,
             log: log.table().display().to_string(),
+            coarse: log.coarse().map(CoarseReport::new),
             smoothed_start: start.map(|Smoothed { navigation, .. }| {
                 Final::new(&navigation.attitude, navigation.position(site), navigation.velocity)
             }),

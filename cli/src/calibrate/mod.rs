@@ -2,6 +2,7 @@
 
 mod json;
 mod run;
+mod tape;
 mod text;
 
 use std::path::PathBuf;
@@ -10,10 +11,11 @@ use std::time::Instant;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use miette::{Result, miette};
-use sinscal::FILTERS;
+use sinscal::{Coarse, FILTERS, Parameter, UnknownPulses};
 
 use crate::log::Log;
 use crate::output::{self, Files};
+use crate::setup;
 
 /// Calibrate a unit: run a filter over a log and report its parameters
 #[derive(Args)]
@@ -28,6 +30,10 @@ pub(crate) struct Arguments {
     /// parameters found before
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     passes: Option<u32>,
+    /// Begin with a coarse calibration from the log's own still positions and the turns between them: for errors far beyond the
+    /// priors. Pulses of unknown size need it and get it unasked
+    #[arg(long)]
+    coarse: bool,
     /// Smooth the navigation solution over the whole log in the last pass; `--out` then holds trajectory.csv
     #[arg(long)]
     smooth: bool,
@@ -63,6 +69,16 @@ impl Form {
     }
 }
 
+/// So many prior sigmas from zero the error model may not be linear any more.
+const FAR: f64 = 5.0;
+
+/// Whether a parameter that the coarse stage knows lies far out.
+fn far_out(parameter: &Parameter) -> bool {
+    parameter.estimated
+        && parameter.value.abs() > FAR * parameter.prior_sigma
+        && Coarse::EFFECTS.contains(&parameter.info.block)
+}
+
 fn gap(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if (0.0..=10.0).contains(&seconds) => Ok(seconds),
@@ -87,10 +103,13 @@ impl Arguments {
             .find(|filter| filter.name.eq_ignore_ascii_case(&self.filter))
             .ok_or_else(|| miette!("there is no filter called {}", self.filter))?;
 
-        let mut log = Log::open(&self.log)?;
+        let mut log = Log::open_counting(&self.log)?;
         log.bridge_gaps(self.bridge_gaps);
         for warning in log.warnings() {
             output::remark(&format!("warning: {warning}"));
+        }
+        if self.coarse || log.unknown_pulses() != UnknownPulses::default() {
+            setup::coarse(&mut log)?;
         }
         let passes = self.passes.unwrap_or(filter.passes);
         let options = run::Options { passes, form: self.form, smooth: self.smooth };
@@ -101,6 +120,14 @@ impl Arguments {
             return Err(miette!(
                 "{table}: no update was made: {} measures {measures}, and no row has such a reference that it accepts",
                 filter.name
+            ));
+        }
+        if let Some(far) = outcome.parameters.iter().find(|parameter| far_out(parameter))
+            && log.coarse().is_none()
+        {
+            output::remark(&format!(
+                "warning: {} {} lies beyond {FAR:.0} sigmas of its prior: try --coarse, which starts from the still positions",
+                far.info.block, far.info.component
             ));
         }
         if outcome.bridged.gaps > 0 {
@@ -129,7 +156,7 @@ impl Arguments {
             output::remark(&text::verdict(filter.name, &outcome));
             output::print(&json)
         } else {
-            output::print(&text::table(filter.name, &outcome, started.elapsed()))
+            output::print(&text::table(&log, filter.name, &outcome, started.elapsed()))
         }
     }
 }

@@ -4,11 +4,12 @@ use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Result, miette};
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::{
-    Calibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter, Smoothed, Smoother,
-    Statistics, Strapdown, Ud,
+    Calibration, CoarseCalibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter,
+    Smoothed, Smoother, StateInfo, Statistics, Strapdown, Ud,
 };
 
 use super::Form;
+use super::tape::FileTape;
 use crate::history::History;
 use crate::log::{Bridged, Log};
 use crate::setup;
@@ -69,14 +70,17 @@ impl FilterVisitor for Run<'_> {
 impl Run<'_> {
     fn calibrate<F: Filter<Dynamics = Strapdown>, C: sinscal::Form>(self) -> Result<Outcome> {
         let description = self.log.description();
-        let mut calibration = Box::new(Calibration::<F, C>::new(&setup::of(self.log, self.initial)));
-        let mut parameters = Vec::new();
-        calibration.parameters(&mut |parameter| parameters.push(parameter));
-        let mut history = History::new(parameters.len());
+        let coarse = self.log.coarse();
+        let prior = |_, info: &StateInfo, sigma| coarse.map_or(sigma, |coarse| coarse.prior(info, sigma));
+        let mut calibration =
+            Box::new(Calibration::<F, C>::with_prior(&setup::of(self.log, self.initial), prior));
+        let mut history = History::new(estimates(&calibration, coarse).len());
         let mut samples = 0_u64;
         let mut times = (0.0, 0.0);
         let mut bridged = Bridged::default();
-        let mut smoother = Smoother::<F>::default();
+        // the tape stays empty where nothing is smoothed
+        let trouble = |error| miette!("the temporary file of the smoother: {error}");
+        let mut smoother = Smoother::<F, FileTape>::new(FileTape::new().map_err(trouble)?);
 
         let bar = progress_bar(self.log.size() * u64::from(self.options.passes));
         for pass in 0..self.options.passes {
@@ -105,18 +109,22 @@ impl Run<'_> {
                 let update = update.map_err(|error| miette!("{}: {error}", self.log.table().display()))?;
                 if update.is_some() && history.due() {
                     history.push(sample.time, |put| {
-                        calibration.parameters(&mut |parameter| put(parameter.value, parameter.sigma));
+                        let now = estimates(&calibration, coarse);
+                        now.iter().for_each(|parameter| put(parameter.value, parameter.sigma));
                     });
                 }
             }
             bridged = rows.bridged();
         }
         bar.finish_and_clear();
+        let parameters = estimates(&calibration, coarse);
         history.push(times.1, |put| {
-            calibration.parameters(&mut |parameter| put(parameter.value, parameter.sigma));
+            parameters.iter().for_each(|parameter| put(parameter.value, parameter.sigma));
         });
-        parameters.clear();
-        calibration.parameters(&mut |parameter| parameters.push(parameter));
+        let smoothed = match self.options.smooth {
+            true => Some(smoother.finish(&calibration.covariance()).map_err(trouble)?),
+            false => None,
+        };
         Ok(Outcome {
             samples: samples - bridged.rows,
             duration: times.1 - times.0,
@@ -128,9 +136,25 @@ impl Run<'_> {
             position: calibration.position(),
             velocity: calibration.navigation().velocity,
             bridged,
-            smoothed: self.options.smooth.then(|| smoother.finish()),
+            smoothed,
         })
     }
+}
+
+/// The parameters so far, with what a coarse calibration took out of the samples.
+fn estimates<F: Filter<Dynamics = Strapdown>, C: sinscal::Form>(
+    calibration: &Calibration<F, C>,
+    coarse: Option<&CoarseCalibration>,
+) -> Vec<Parameter> {
+    let mut parameters = Vec::new();
+    calibration.parameters(&mut |parameter| parameters.push(parameter));
+    if let Some(coarse) = coarse {
+        let states: Vec<StateInfo> = parameters.iter().map(|parameter| parameter.info).collect();
+        let mut values: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
+        coarse.total(&states, &mut values);
+        parameters.iter_mut().zip(values).for_each(|(parameter, value)| parameter.value = value);
+    }
+    parameters
 }
 
 /// A bar on standard error when that is a terminal, else nothing.

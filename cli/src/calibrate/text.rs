@@ -4,14 +4,18 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::time::Duration;
 
-use sinscal::{Parameter, Site, Smoothed};
+use sinscal::{CoarseCalibration, Parameter, Site, Smoothed};
 
 use super::run::Outcome;
 use crate::figures::{decimals, significant};
+use crate::log::Log;
 
 /// NIS per degree of freedom of a filter whose model and noise agree with the data: 1, give or take what a few per cent
 /// of unmodelled noise make of it.
 const FITS: (f64, f64) = (0.8, 1.2);
+
+/// 1 ug in m/s^2.
+const MICRO_G: f64 = 9.80665e-6;
 
 /// Whether the filter explains the data, in one line.
 pub(super) fn verdict(filter: &str, outcome: &Outcome) -> String {
@@ -37,7 +41,7 @@ pub(super) fn verdict(filter: &str, outcome: &Outcome) -> String {
 }
 
 /// Verdict, parameters and final state. Writing to a string does not fail.
-pub(super) fn table(filter: &str, outcome: &Outcome, wall: Duration) -> String {
+pub(super) fn table(log: &Log, filter: &str, outcome: &Outcome, wall: Duration) -> String {
     let mut text = verdict(filter, outcome) + "\n";
     let _ = writeln!(
         text,
@@ -46,6 +50,9 @@ pub(super) fn table(filter: &str, outcome: &Outcome, wall: Duration) -> String {
         outcome.duration,
         wall.as_secs_f64()
     );
+    if let Some(coarse) = log.coarse() {
+        coarse_stage(&mut text, coarse);
+    }
     let _ = writeln!(
         text,
         "{:30} {:>14}   {:10} {:10} {:>11}  {:>10}",
@@ -79,6 +86,25 @@ pub(super) fn table(filter: &str, outcome: &Outcome, wall: Duration) -> String {
         position.x, position.y, position.z, velocity.x, velocity.y, velocity.z
     );
     text
+}
+
+/// What the coarse stage found.
+fn coarse_stage(text: &mut String, coarse: &CoarseCalibration) {
+    let _ = writeln!(
+        text,
+        "coarse stage: {} still positions and {} turns, {} ug of gravity left from position to position",
+        coarse.positions,
+        coarse.turns,
+        significant(coarse.force_residual / MICRO_G)
+    );
+    for (name, size) in
+        [("gyro_rad_per_pulse", coarse.gyro_pulse), ("accel_m_s_per_pulse", coarse.accel_pulse)]
+    {
+        if let Some(size) = size {
+            let _ = writeln!(text, "in [imu]: {name} = [{:e}, {:e}, {:e}]", size.x, size.y, size.z);
+        }
+    }
+    text.push('\n');
 }
 
 /// Estimate and sigma in data-sheet units, to two figures of the sigma.
@@ -117,12 +143,19 @@ pub(super) fn history(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> 
 
 /// The smoothed navigation solution as CSV, one line for each update.
 pub(super) fn trajectory(smoothed: &[Smoothed], site: &Site, file: &mut dyn Write) -> io::Result<()> {
-    writeln!(file, "time_s,quat_w,quat_x,quat_y,quat_z,vel_e,vel_n,vel_u,pos_e,pos_n,pos_u")?;
-    for Smoothed { time, navigation } in smoothed {
+    write!(file, "time_s,quat_w,quat_x,quat_y,quat_z,vel_e,vel_n,vel_u,pos_e,pos_n,pos_u")?;
+    for quantity in ["att", "vel", "pos"] {
+        for axis in ["e", "n", "u"] {
+            write!(file, ",{quantity}_{axis}.sigma")?;
+        }
+    }
+    writeln!(file)?;
+    for point in smoothed {
+        let Smoothed { time, navigation, .. } = point;
         let (q, v, p) = (navigation.attitude, navigation.velocity, navigation.position(site));
         let numbers = [q.w, q.i, q.j, q.k, v.x, v.y, v.z, p.x, p.y, p.z];
         write!(file, "{time}")?;
-        for number in numbers {
+        for number in numbers.into_iter().chain(point.sigmas()) {
             write!(file, ",{number:e}")?;
         }
         writeln!(file)?;

@@ -1,5 +1,6 @@
 //! `sinscal campaign`: Monte Carlo over simulated units.
 
+mod map;
 mod store;
 mod tables;
 pub(crate) mod text;
@@ -31,7 +32,7 @@ const REMARK: u64 = 30;
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
-    command: Option<Merge>,
+    command: Option<Command>,
     /// Number of units
     #[arg(long, value_name = "N", required = true, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     units: Option<u64>,
@@ -69,7 +70,8 @@ pub(crate) struct Arguments {
 }
 
 #[derive(Subcommand)]
-enum Merge {
+enum Command {
+    Map(map::Arguments),
     /// Summarise the units of the shards of a campaign
     Merge {
         /// Folders of shards; they may share one
@@ -101,8 +103,12 @@ fn shard(text: &str) -> Result<(u64, u64), String> {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
-        if let Some(Merge::Merge { folders, json, out }) = self.command {
-            return merge(&folders, json.as_deref(), out.as_deref());
+        match self.command {
+            Some(Command::Merge { folders, json, out }) => {
+                return merge(&folders, json.as_deref(), out.as_deref());
+            }
+            Some(Command::Map(map)) => return map.run(),
+            None => {}
         }
         let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
         let mut filters = Vec::new();

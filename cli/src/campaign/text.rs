@@ -49,8 +49,8 @@ pub(crate) fn table(summary: &Summary) -> String {
     if flown {
         let _ = write!(
             text,
-            " {:>8} {:>8} {:>8}  {:>8}  {:20} {:>5}",
-            "5 %", "median", "95 %", "at end", "of the first (95 %)", "best"
+            " {:>8} {:>8} {:20} {:>8}  {:>8}  {:20} {:>5}",
+            "5 %", "median", "(95 %)", "95 %", "at end", "of the first (95 %)", "best"
         );
     }
     text.push('\n');
@@ -65,6 +65,7 @@ pub(crate) fn table(summary: &Summary) -> String {
             summary.order.join(" < ")
         );
     }
+    text.push_str("\n! NEES outside its 99 % band\n");
     for filter in &summary.filters {
         parameters(&mut text, filter);
     }
@@ -86,9 +87,12 @@ fn row(text: &mut String, filter: &FilterSummary) {
             (Some(ratio), Some([low, high])) => format!("{ratio:.2} ({low:.2} to {high:.2})"),
             _ => String::new(),
         };
+        let interval = filter
+            .median_interval_95_m
+            .map_or(String::new(), |[low, high]| format!("({} to {})", miles(low), miles(high)));
         let _ = write!(
             text,
-            " {:>8} {:>8} {:>8}  {:>8}  {ratio:20} {:>4.0}%",
+            " {:>8} {:>8} {interval:20} {:>8}  {:>8}  {ratio:20} {:>4.0}%",
             miles(largest.p05),
             miles(largest.p50),
             miles(largest.p95),
@@ -118,10 +122,12 @@ fn parameters(text: &mut String, filter: &FilterSummary) {
     for parameter in &filter.parameters {
         let (unit, scale) = sinscal::effect(&parameter.name)
             .map_or(("", 1.0), |effect| (effect.sheet_unit, effect.sheet_scale));
+        let [low, high] = parameter.nees_band_99;
+        let mark = if (low..=high).contains(&parameter.nees) { ' ' } else { '!' };
         let sign = if parameter.bias < 0.0 { "-" } else { "" };
         let _ = writeln!(
             text,
-            "{:30} {:>10} {:>10} {:>10} {unit:9} {:>7.2} {:>5.2} {:>5.2} {:>5.2}  {:>8.0} s",
+            "{:30} {:>10} {:>10} {:>10} {unit:9} {:>7.2}{mark}{:>5.2} {:>5.2} {:>5.2}  {:>8.0} s",
             format!("{} {}", parameter.name, parameter.component),
             format!("{sign}{}", significant(parameter.bias.abs() / scale)),
             significant(parameter.rms / scale),

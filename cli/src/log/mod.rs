@@ -17,7 +17,7 @@ mod units;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use sinscal::Sample;
+use sinscal::{CoarseCalibration, Sample, UnknownPulses};
 
 use self::columns::{Batch, Group, Layout, Source};
 use self::csv::CsvSource;
@@ -47,6 +47,8 @@ pub(crate) struct Log {
     size: u64,
     fixed_point: bool,
     bridge: f64,
+    unknown: UnknownPulses,
+    coarse: Option<CoarseCalibration>,
     warnings: Vec<String>,
 }
 
@@ -57,8 +59,25 @@ enum Kind {
 }
 
 impl Log {
-    /// Finds the files of a log, reads the description and checks the columns.
+    /// Finds the files of a log, reads the description and checks the columns. Pulses must have known sizes.
     pub(crate) fn open(log: &Path) -> Result<Self, LogError> {
+        let log = Self::open_counting(log)?;
+        for (unknown, group, field) in [
+            (log.unknown.gyro, Group::GYRO_PULSE, "gyro_rad_per_pulse"),
+            (log.unknown.accel, Group::ACCEL_PULSE, "accel_m_s_per_pulse"),
+        ] {
+            if unknown {
+                let problem = format!("holds pulse counts, but the description lacks imu.{field}");
+                let help = "give the size of a pulse on each axis; where the log has still positions, \
+                            `sinscal calibrate` finds it and says what to write";
+                return Err(LogError::column(&log.table, group.names()[0], problem).help(help));
+            }
+        }
+        Ok(log)
+    }
+
+    /// The same with pulses of unknown size: until [`correct`](Self::correct) says it, samples hold counts.
+    pub(crate) fn open_counting(log: &Path) -> Result<Self, LogError> {
         let (table, kind, description_path) = find(log)?;
         let description = Description::read(&description_path)?;
         let (layout, size) = match kind {
@@ -71,21 +90,14 @@ impl Log {
                 (layout, table.metadata().map_err(|error| unreadable(&table, &error))?.len())
             }
         };
-        for (group, scale, field) in [
-            (Group::GYRO_PULSE, description.gyro_pulse, "imu.gyro_rad_per_pulse"),
-            (Group::ACCEL_PULSE, description.accel_pulse, "imu.accel_m_s_per_pulse"),
-        ] {
-            if layout.has(group) && scale.is_none() {
-                let problem = format!("holds pulse counts, but {} lacks {field}", description_path.display());
-                let help = "give the nominal size of a pulse on each axis: finding it from the log itself \
-                            (the coarse stage) is not part of this program yet";
-                return Err(LogError::column(&table, group.names()[0], problem).help(help));
-            }
-        }
+        let unknown = UnknownPulses {
+            gyro: layout.has(Group::GYRO_PULSE) && description.gyro_pulse.is_none(),
+            accel: layout.has(Group::ACCEL_PULSE) && description.accel_pulse.is_none(),
+        };
         let warnings = warnings(&description, &layout, &description_path);
         let fixed_point =
             ![Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].into_iter().any(|group| layout.has(group));
-        Ok(Self { description, table, kind, size, fixed_point, bridge: 0.0, warnings })
+        Ok(Self { description, table, kind, size, fixed_point, bridge: 0.0, unknown, coarse: None, warnings })
     }
 
     /// Lets gaps of up to `seconds` be filled with interpolated increments.
@@ -93,6 +105,24 @@ impl Log {
     /// The rows put into a gap hold increments between those of its two ends, no reference and no new reading.
     pub(crate) fn bridge_gaps(&mut self, seconds: f64) {
         self.bridge = seconds;
+    }
+
+    /// Which pulses have unknown sizes.
+    pub(crate) fn unknown_pulses(&self) -> UnknownPulses {
+        self.unknown
+    }
+
+    /// Gives samples in SI, with the errors of a coarse calibration taken out.
+    pub(crate) fn correct(&mut self, coarse: CoarseCalibration) {
+        self.description.gyro_pulse = coarse.gyro_pulse.or(self.description.gyro_pulse);
+        self.description.accel_pulse = coarse.accel_pulse.or(self.description.accel_pulse);
+        self.unknown = UnknownPulses::default();
+        self.coarse = Some(coarse);
+    }
+
+    /// The coarse calibration whose errors were taken out.
+    pub(crate) fn coarse(&self) -> Option<&CoarseCalibration> {
+        self.coarse.as_ref()
     }
 
     /// What the description says.
@@ -141,6 +171,7 @@ impl Log {
             table: self.table.clone(),
             interval: 1.0 / self.description.rate,
             bridge: self.bridge,
+            coarse: self.coarse.clone(),
             gap: None,
             last: None,
             bridged: Bridged::default(),
@@ -170,6 +201,7 @@ pub(crate) struct Samples {
     table: PathBuf,
     interval: f64,
     bridge: f64,
+    coarse: Option<CoarseCalibration>,
     gap: Option<Gap>,
     last: Option<Sample>,
     bridged: Bridged,
@@ -298,8 +330,12 @@ impl Iterator for Samples {
             return None;
         }
         match self.sample() {
-            Ok(Some(sample)) => {
-                self.last = Some(sample);
+            Ok(Some(mut sample)) => {
+                let before = self.last.replace(sample).map(|last| last.time);
+                if let Some(coarse) = &self.coarse {
+                    let dt = before.map_or(self.interval, |before| sample.time - before);
+                    coarse.compensate(&mut sample, dt);
+                }
                 Some(Ok(sample))
             }
             Ok(None) => {

@@ -44,6 +44,7 @@ pub(super) struct Checker {
     path: PathBuf,
     interval: f64,
     largest_rate: f64,
+    largest_force: f64,
     gyro_scale: Option<Vector3<f64>>,
     accel_scale: Option<Vector3<f64>>,
     reference: Measured,
@@ -76,12 +77,22 @@ impl Checker {
             [false, false, false] => Measured::FixedPoint,
             [velocity, position, attitude] => Measured::Columns { velocity, position, attitude },
         };
+        let largest_rate = if navigation_grade { LARGEST_NAVIGATION_RATE } else { LARGEST_RATE };
+        // pulses of unknown size count as they are, and may be many
+        let scale = |group, size: Option<Vector3<f64>>, largest| match size {
+            _ if !layout.has(group) => (None, largest),
+            None => (Some(Vector3::repeat(1.0)), f64::MAX),
+            known => (known, largest),
+        };
+        let (gyro_scale, largest_rate) = scale(Group::GYRO_PULSE, description.gyro_pulse, largest_rate);
+        let (accel_scale, largest_force) = scale(Group::ACCEL_PULSE, description.accel_pulse, LARGEST_FORCE);
         Self {
             path,
             interval: 1.0 / description.rate,
-            largest_rate: if navigation_grade { LARGEST_NAVIGATION_RATE } else { LARGEST_RATE },
-            gyro_scale: description.gyro_pulse.filter(|_| layout.has(Group::GYRO_PULSE)),
-            accel_scale: description.accel_pulse.filter(|_| layout.has(Group::ACCEL_PULSE)),
+            largest_rate,
+            largest_force,
+            gyro_scale,
+            accel_scale,
             reference,
             row: 0,
             last_time: None,
@@ -116,7 +127,7 @@ impl Checker {
         let mut finite = 0_usize;
         for row in 0..batch.rows {
             let force = self.force(batch, row).norm() / self.interval;
-            if force <= LARGEST_FORCE {
+            if force <= LARGEST_FORCE && self.largest_force == LARGEST_FORCE {
                 sum += force;
                 finite += 1;
             }
@@ -149,7 +160,7 @@ impl Checker {
         let gyro = if self.gyro_scale.is_some() { Group::GYRO_PULSE } else { Group::DTHETA };
         let accel = if self.accel_scale.is_some() { Group::ACCEL_PULSE } else { Group::DVEL };
         self.increments(gyro, &dtheta, self.largest_rate, ["an angle increment in rad", "rad/s"])?;
-        self.increments(accel, &dvel, LARGEST_FORCE, ["a velocity increment in m/s", "m/s^2"])?;
+        self.increments(accel, &dvel, self.largest_force, ["a velocity increment in m/s", "m/s^2"])?;
         let sample = Sample {
             time,
             dtheta,

@@ -9,8 +9,10 @@ use std::path::PathBuf;
 use clap::Args;
 use miette::{IntoDiagnostic, Result};
 use serde::Serialize;
+use sinscal::navigation::NAUTICAL_MILE;
 
 use self::run::Flight;
+use crate::draw::{Curve, Figure, Style};
 use crate::log::Log;
 use crate::output;
 
@@ -31,7 +33,7 @@ pub(crate) struct Arguments {
     /// Write the results as JSON; `-` writes them to standard output instead of the text
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write navigation.json, navigation.txt and errors.csv (errors over time) to this folder
+    /// Write navigation.json, navigation.txt and the errors over time (errors.csv, errors.svg) to this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -80,8 +82,27 @@ impl Arguments {
             "{verdict}\nat the end {last:.3} nautical miles\naligned over the first {alignment_s:.0} s, height held\n"
         );
         target.write("navigation", &json, &text, &verdict, |files, folder| {
-            files.write(&folder.join("errors.csv"), |file| errors(&flights, file))
+            files.write(&folder.join("errors.csv"), |file| errors(&flights, file))?;
+            figure(&flights).draw(files, folder)
         })
+    }
+}
+
+/// Horizontal errors over time, as in figure 15 of the paper.
+pub(crate) fn figure(flights: &[Flight]) -> Figure {
+    let curves = flights.iter().map(|flight| {
+        let start = flight.track.first().map_or(0.0, |(time, ..)| *time);
+        let points = flight
+            .track
+            .iter()
+            .map(|(time, east, north)| ((time - start) / 3600.0, east.hypot(*north) / NAUTICAL_MILE));
+        Curve::new(flight.filter, Style::Full, points.collect())
+    });
+    Figure {
+        file: "errors",
+        title: "Horizontal error of free-inertial navigation".into(),
+        axes: ["time, h", "horizontal error, nmi"],
+        curves: curves.collect(),
     }
 }
 

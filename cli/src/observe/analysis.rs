@@ -1,6 +1,6 @@
 //! Driving the library's views of what a log can tell.
 
-use calib_core::Extended;
+use calib_core::{Decomposition, Extended};
 use hybrid_array::typenum::U3;
 use miette::Result;
 use sinscal::observability::{
@@ -53,23 +53,33 @@ pub(crate) struct State {
 /// Looks at `log` with the eyes of the filter called `filter`.
 pub(super) fn analyse(log: &Log, filter: &str) -> Result<Option<Analysis>> {
     let setup = setup::of(log, setup::initial(log)?);
+    // once for its length, so that nothing of it need be kept until the end is known
+    let mut extent = None;
+    for sample in log.samples()? {
+        let time = sample?.time;
+        extent = Some((extent.map_or(time - 1.0 / setup.rate, |(start, _)| start), time));
+    }
     let samples = log.samples()?.map(|sample| Ok(sample?));
-    look(filter, &setup, &log.table().display().to_string(), Box::new(samples)).transpose()
+    let name = log.table().display().to_string();
+    look(filter, &setup, &name, extent.unwrap_or_default(), Box::new(samples)).transpose()
 }
 
-/// Looks at `samples`, called `name`, with the eyes of the filter called `filter`; `None` when there is no such filter.
+/// Looks at `samples`, called `name`, which begin and end at the times of `extent`, with the eyes of the filter called `filter`;
+/// `None` when there is no such filter.
 pub(crate) fn look(
     filter: &str,
     setup: &Setup,
     name: &str,
+    extent: (f64, f64),
     samples: Box<dyn Iterator<Item = Result<Sample>> + '_>,
 ) -> Option<Result<Analysis>> {
-    sinscal::visit_filter(filter, Look { setup, name, samples })
+    sinscal::visit_filter(filter, Look { setup, name, extent, samples })
 }
 
 struct Look<'a> {
     setup: &'a Setup<'a>,
     name: &'a str,
+    extent: (f64, f64),
     samples: Box<dyn Iterator<Item = Result<Sample>> + 'a>,
 }
 
@@ -82,31 +92,26 @@ impl FilterVisitor for Look<'_> {
         let before = prior(&run);
         let mut information = Box::new(Information::new(&run));
         let mut segmenter = Segmenter::new(setup);
-        let mut segments = Vec::new();
+        let mut stack = Stack::<F>::new(setup, self.extent);
         let mut diverged = None;
         for sample in self.samples {
             let sample = sample?;
-            segments.extend(segmenter.push(&sample));
+            if let Some(segment) = segmenter.push(&sample) {
+                stack.add(&segment);
+            }
             if diverged.is_none() {
                 diverged = run.step_observed(&sample, information.as_mut()).err();
             }
         }
-        segments.extend(segmenter.finish());
+        if let Some(segment) = segmenter.finish() {
+            stack.add(&segment);
+        }
         if let Some(error) = diverged {
             output::remark(&format!("warning: {}: {error}; the sigmas to expect are left out", self.name));
         }
 
-        let spans = boundaries(&segments);
-        let mut whole = Box::new(Observability::<F>::new(setup));
-        let mut degrees = Vec::new();
-        for span in 0..SPANS {
-            let mut part = Box::new(Observability::<F>::new(setup));
-            let inside = segments.iter().filter(|segment| span_of(&spans, segment) == span);
-            inside.for_each(|segment| part.add(segment));
-            whole.join(&part);
-            degrees.push(part.decompose());
-        }
-        let found = whole.decompose();
+        let degrees = stack.close();
+        let found = stack.whole.decompose();
         let rank = found.rank(TOLERANCE);
         let bound = information.sigmas();
         let after = prior(&run);
@@ -136,45 +141,114 @@ impl FilterVisitor for Look<'_> {
             rounding: found.rounding(),
             unobservable: basis::<F>(&found, rank..F::Shape::STATES),
             weak,
-            segments: segments.len(),
-            turning: segments.iter().filter(|segment| segment.turning).count(),
-            spans,
-            confounded: confounded(F::NAME, setup, &segments),
+            segments: stack.segments,
+            turning: stack.turning,
+            spans: stack.spans,
+            confounded: stack.confounded(),
         })
     }
 }
 
-/// Start of each span and end of the last: five equal parts of the log.
-fn boundaries(segments: &[Segment]) -> [f64; SPANS + 1] {
-    let start = segments.first().map_or(0.0, |segment| segment.start);
-    let end = segments.last().map_or(0.0, |segment| segment.start + segment.duration);
-    std::array::from_fn(|i| start + (end - start) * i as f64 / SPANS as f64)
+/// Takes in segments one by one: rows of the whole path, of the span they lie in, and of the filter with dither.
+struct Stack<'a, F: Filter<Dynamics = Strapdown>> {
+    setup: &'a Setup<'a>,
+    /// Start of each span and end of the last: five equal parts of the log.
+    spans: [f64; SPANS + 1],
+    whole: Box<Observability<F>>,
+    part: Box<Observability<F>>,
+    degrees: Vec<Decomposition<F::Shape, f64>>,
+    with_dither: Option<Box<dyn Rows>>,
+    dithers: bool,
+    segments: usize,
+    turning: usize,
 }
 
-fn span_of(spans: &[f64; SPANS + 1], segment: &Segment) -> usize {
-    let middle = segment.start + 0.5 * segment.duration;
-    spans[1..SPANS].iter().filter(|boundary| middle >= **boundary).count()
+impl<'a, F: Filter<Dynamics = Strapdown>> Stack<'a, F> {
+    fn new(setup: &'a Setup<'a>, (start, end): (f64, f64)) -> Self {
+        Self {
+            setup,
+            spans: std::array::from_fn(|i| start + (end - start) * i as f64 / SPANS as f64),
+            whole: Box::new(Observability::new(setup)),
+            part: Box::new(Observability::new(setup)),
+            degrees: Vec::new(),
+            with_dither: with_dither(F::NAME, setup),
+            dithers: false,
+            segments: 0,
+            turning: 0,
+        }
+    }
+
+    fn add(&mut self, segment: &Segment) {
+        let middle = segment.start + 0.5 * segment.duration;
+        let span = self.spans[1..SPANS].iter().filter(|boundary| middle >= **boundary).count();
+        while self.degrees.len() < span {
+            self.close_span();
+        }
+        self.part.add(segment);
+        self.segments += 1;
+        self.turning += usize::from(segment.turning);
+        self.dithers |= segment.signals.dither.norm() > 0.0;
+        if let Some(rows) = &mut self.with_dither {
+            rows.add(segment);
+        }
+    }
+
+    fn close_span(&mut self) {
+        self.whole.join(&self.part);
+        self.degrees.push(self.part.decompose());
+        *self.part = Observability::new(self.setup);
+    }
+
+    /// Ends the last span and gives what was found in each.
+    fn close(&mut self) -> Vec<Decomposition<F::Shape, f64>> {
+        while self.degrees.len() < SPANS {
+            self.close_span();
+        }
+        std::mem::take(&mut self.degrees)
+    }
+
+    /// What dither, where the log has it and the filter leaves it out, cannot be told apart from.
+    fn confounded(&self) -> Vec<Direction> {
+        self.with_dither.as_ref().filter(|_| self.dithers).map_or(Vec::new(), |rows| rows.lost())
+    }
 }
 
-/// What dither, where the log has it and the filter leaves it out, cannot be told apart from.
-fn confounded(filter: &str, setup: &Setup, segments: &[Segment]) -> Vec<Direction> {
-    if segments.iter().all(|segment| segment.signals.dither.norm() == 0.0) {
-        return Vec::new();
+/// Rows of a filter of another type.
+trait Rows {
+    fn add(&mut self, segment: &Segment);
+    /// Combinations with dither that cannot be found.
+    fn lost(&self) -> Vec<Direction>;
+}
+
+impl<F: Filter<Dynamics = Strapdown>> Rows for Observability<F> {
+    fn add(&mut self, segment: &Segment) {
+        Observability::add(self, segment);
+    }
+
+    fn lost(&self) -> Vec<Direction> {
+        let found = self.decompose();
+        let mut directions = basis::<F>(&found, found.rank(TOLERANCE)..F::Shape::STATES);
+        let dither = |direction: &Direction| {
+            direction.terms.iter().any(|(info, _)| info.block == "dither-size-effect")
+        };
+        directions.retain(dither);
+        directions
+    }
+}
+
+/// The filter called `filter` with the dither that it leaves out.
+fn with_dither(filter: &str, setup: &Setup) -> Option<Box<dyn Rows>> {
+    fn rows<F: Filter<Dynamics = Strapdown>>(setup: &Setup) -> Option<Box<dyn Rows>>
+    where
+        Observability<F>: 'static,
+    {
+        Some(Box::new(Observability::<F>::new(setup)))
     }
     match filter {
-        "36d-p" => lost::<Extended<Sins36P, DitherSizeEffect, U3>>(setup, segments),
-        "39d-p" => lost::<Extended<Sins39P, DitherSizeEffect, U3>>(setup, segments),
-        "40d-p" => lost::<Extended<Sins40P, DitherSizeEffect, U3>>(setup, segments),
-        "43d-p" => lost::<Extended<Sins43P, DitherSizeEffect, U3>>(setup, segments),
-        _ => Vec::new(),
+        "36d-p" => rows::<Extended<Sins36P, DitherSizeEffect, U3>>(setup),
+        "39d-p" => rows::<Extended<Sins39P, DitherSizeEffect, U3>>(setup),
+        "40d-p" => rows::<Extended<Sins40P, DitherSizeEffect, U3>>(setup),
+        "43d-p" => rows::<Extended<Sins43P, DitherSizeEffect, U3>>(setup),
+        _ => None,
     }
-}
-
-fn lost<F: Filter<Dynamics = Strapdown>>(setup: &Setup, segments: &[Segment]) -> Vec<Direction> {
-    let mut whole = Box::new(Observability::<F>::new(setup));
-    segments.iter().for_each(|segment| whole.add(segment));
-    let found = whole.decompose();
-    let mut directions = basis::<F>(&found, found.rank(TOLERANCE)..F::Shape::STATES);
-    directions.retain(|direction| direction.terms.iter().any(|(info, _)| info.block == "dither-size-effect"));
-    directions
 }

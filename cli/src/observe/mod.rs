@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     /// Write the results as JSON; `-` writes them to standard output instead of the table
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write observability.json and observability.txt to this folder
+    /// Write observability.json, observability.txt and observability.svg to this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -43,6 +43,12 @@ impl Arguments {
             .ok_or_else(|| miette!("there is no filter called {}", filter.name))?;
         let json = report::Report::new(filter, &analysis).render()?;
         let text = report::table(filter.name, &analysis);
-        target.write("observability", &json, &text, &report::verdict(filter.name, &analysis), |_, _| Ok(()))
+        target.write(
+            "observability",
+            &json,
+            &text,
+            &report::verdict(filter.name, &analysis),
+            |files, folder| report::figure("observability", filter.name, &analysis).draw(files, folder),
+        )
     }
 }

@@ -8,10 +8,14 @@ use sinscal::observability::{Direction, EXCITED, TOLERANCE};
 use sinscal::{FilterInfo, StateInfo};
 
 use super::analysis::{Analysis, SPANS, State};
+use crate::draw::{Curve, Figure, Style};
 use crate::figures::significant;
 
 /// The paper's figure shows the last thirteen states.
 const LAST: usize = 13;
+
+/// Smaller degrees are drawn as this one.
+const LEAST_DRAWN: f64 = 1e-3;
 
 /// `observe --json`.
 #[derive(Serialize)]
@@ -156,6 +160,28 @@ pub(crate) fn table(filter: &str, analysis: &Analysis) -> String {
         row(&mut text, state);
     }
     text
+}
+
+/// Degrees of the last thirteen states in the five spans, as in figure 5 of the paper.
+pub(crate) fn figure(file: &'static str, filter: &str, analysis: &Analysis) -> Figure {
+    let last = &analysis.states[analysis.states.len().saturating_sub(LAST)..];
+    let curve = |state: &State, style| {
+        let point = |(span, degree): (usize, &f64)| ((span + 1) as f64, degree.max(LEAST_DRAWN).log10());
+        Curve::new(name(&state.info), style, state.spans.iter().enumerate().map(point).collect())
+    };
+    // a dashed line has the colour of the one before
+    let (full, dashed) = last.split_at(last.len().div_ceil(2));
+    let mut curves = Vec::new();
+    for (i, state) in full.iter().enumerate() {
+        curves.push(curve(state, Style::Full));
+        curves.extend(dashed.get(i).map(|state| curve(state, Style::Dashed)));
+    }
+    Figure {
+        file,
+        title: format!("{filter}: degrees of observability in five spans"),
+        axes: ["span", "log10 of the degree of observability"],
+        curves,
+    }
 }
 
 fn list(text: &mut String, title: &str, lines: &[String]) {

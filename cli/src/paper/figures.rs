@@ -1,4 +1,4 @@
-//! The data of the figures, as comma-separated text.
+//! The figures: curves as SVG, their numbers as comma-separated text.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -10,7 +10,7 @@ use study::{FilterResult, Watch};
 use super::{Findings, size_effect};
 use crate::draw::{Curve, Figure, Style};
 use crate::observe::analysis::SPANS;
-use crate::observe::report::name;
+use crate::observe::report::{figure, name};
 use crate::output::Files;
 
 /// The filter whose parameters the figures show.
@@ -71,6 +71,7 @@ pub(super) fn write(findings: &Findings, files: &mut Files, folder: &Path) -> Re
         figure.write(files, folder)?;
     }
     files.write(&folder.join("figure-05-observability.csv"), |out| figure_5(findings, out))?;
+    figure("figure-05-observability", SHOWN, &findings.observability).draw(files, folder)?;
     let shown = findings.first.filters.iter().find(|filter| filter.filter == SHOWN);
     if let Some(shown) = shown {
         for (file, blocks) in PARAMETERS {

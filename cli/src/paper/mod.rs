@@ -53,7 +53,7 @@ pub(crate) struct Arguments {
     out: Option<PathBuf>,
 }
 
-fn hours(text: &str) -> Result<f64, String> {
+pub(crate) fn hours(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(hours) if (0.1..=1000.0).contains(&hours) => Ok(hours),
         _ => Err("a number of hours from 0.1 to 1000 was expected".into()),
@@ -88,8 +88,9 @@ impl Arguments {
         let delay = delay::Turn::figure_3(plan.scenario.site);
         let simulation = Simulation::new(&plan.scenario, self.seed).map_err(|error| miette!("{error}"))?;
         let description = simulation.description().clone();
+        let extent = (0.0, plan.scenario.duration());
         let samples = Box::new(simulation.map(Ok));
-        let observability = look("43d-b", &description.setup(&[]), "the simulated log", samples)
+        let observability = look("43d-b", &description.setup(&[]), "the simulated log", extent, samples)
             .unwrap_or_else(|| Err(miette!("there is no filter called 43d-b")))?;
         let (results, traces) = units(&plan, self.seed, self.units)?;
         let first = results.first().cloned().ok_or_else(|| miette!("there is no unit"))?;

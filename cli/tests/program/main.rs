@@ -1,6 +1,7 @@
 //! Tests that run the built program.
 
 mod broken_inputs;
+mod coarse;
 mod commands;
 mod experiments;
 mod outside_logs;
