@@ -58,35 +58,14 @@ const TOGETHER: usize = 3;
 /// Rows of U that a measurement changes side by side.
 const ROWS: usize = 8;
 
-/// Columns `j..j + R` of `[Phi Psi] U`, the leading part of them; row k of `across` is column k of `[Phi Psi]`.
+/// Takes D out of the diagonal and leaves the ones of U there: columns can then be used whole.
 #[inline(always)]
-fn moved_columns<S: Shape, T: Real, M: Machine, const R: usize>(
-    cov: &S::Matrix<T>,
-    across: &S::Vector<S::CoreVector<T>>,
-    j: usize,
-) -> [S::CoreVector<T>; R] {
-    let mut columns = [(); R].map(|()| S::core_vector(T::zero()));
-    let left = |r: usize, k: usize| cov[j + r][k];
-    let mut put = |r: usize, first: usize, values: &[T]| {
-        columns[r].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
-    };
-    if M::WIDE {
-        blocks::<M, T, _, R, 8, false>((R, S::CORE), &left, across.as_slice(), &(0..j), &mut put);
-    } else {
-        blocks::<M, T, _, 2, 8, false>((R, S::CORE), &left, across.as_slice(), &(0..j), &mut put);
+fn take_weights<S: Shape, T: Real>(cov: &mut S::Matrix<T>) -> S::Vector<T> {
+    let mut d = S::vector(T::one());
+    for j in 0..S::STATES {
+        core::mem::swap(&mut d[j], &mut cov[j][j]);
     }
-    for r in 0..R {
-        for k in j..j + r {
-            let u = cov[j + r][k];
-            for i in 0..S::CORE {
-                columns[r][i] = M::add_product(columns[r][i], u, across[k][i]);
-            }
-        }
-        for i in 0..S::CORE {
-            columns[r][i] += across[j + r][i];
-        }
-    }
-    columns
+    d
 }
 
 #[inline(always)]
@@ -96,33 +75,36 @@ fn propagate<S: Shape, T: Real, M: Machine>(
     rows: &S::CoreRows<T>,
     noise: &S::CoreMatrix<T>,
 ) {
+    let mut d = take_weights::<S, T>(cov);
     let mut across: S::Vector<S::CoreVector<T>> = Array::from_fn(|| S::core_vector(T::zero()));
     for j in 0..S::STATES {
         for i in 0..S::CORE {
             across[j][i] = rows[i][j];
         }
     }
-    // [Phi Psi] U: the parameters' columns, U12, are done with it
-    let mut moved = S::core_matrix(T::zero());
-    let mut put = |cov: &mut S::Matrix<T>, j: usize, column: &S::CoreVector<T>| {
-        if j < S::CORE {
-            moved[j].clone_from(column);
-        } else {
-            cov[j].as_mut_slice()[..S::CORE].copy_from_slice(column.as_slice());
-        }
+    // columns of [Phi Psi] U, the leading part of them
+    let mut moved: S::Vector<S::CoreVector<T>> = Array::from_fn(|| S::core_vector(T::zero()));
+    let mut put = |j: usize, first: usize, values: &[T]| {
+        moved[j].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
     };
-    let whole = S::STATES / COLUMNS * COLUMNS;
-    for j in (0..whole).step_by(COLUMNS) {
-        let columns = moved_columns::<S, T, M, COLUMNS>(cov, &across, j);
-        for r in 0..COLUMNS {
-            put(cov, j + r, &columns[r]);
+    for j in (0..S::STATES).step_by(COLUMNS) {
+        let last = S::STATES.min(j + COLUMNS);
+        let left = |r: usize, k: usize| cov[j + r][k];
+        let mut put = |r: usize, first: usize, values: &[T]| put(j + r, first, values);
+        let size = (last - j, S::CORE);
+        if M::WIDE {
+            blocks::<M, T, _, COLUMNS, 8, false>(size, &left, across.as_slice(), &(0..last), &mut put);
+        } else {
+            blocks::<M, T, _, 2, 8, false>(size, &left, across.as_slice(), &(0..last), &mut put);
         }
     }
-    for j in whole..S::STATES {
-        let columns = moved_columns::<S, T, M, 1>(cov, &across, j);
-        put(cov, j, &columns[0]);
+    for j in S::CORE..S::STATES {
+        cov[j].as_mut_slice()[..S::CORE].copy_from_slice(moved[j].as_slice());
     }
-    orthogonalise::<S, T, _>(machine, cov, moved, noise);
+    orthogonalise::<S, T, M>(machine, cov, &mut d, &mut moved.as_mut_slice()[..S::CORE], noise);
+    for j in 0..S::STATES {
+        cov[j][j] = d[j];
+    }
 }
 
 /// The leading block: the rows of [Phi U11, Uq] made orthogonal in the weights [D1, Dq], from the last to the first. The rows
@@ -131,13 +113,14 @@ fn propagate<S: Shape, T: Real, M: Machine>(
 fn orthogonalise<S: Shape, T: Real, M: Machine>(
     _: M,
     cov: &mut S::Matrix<T>,
-    mut moved: S::CoreMatrix<T>,
+    d: &mut S::Vector<T>,
+    moved: &mut [S::CoreVector<T>],
     noise: &S::CoreMatrix<T>,
 ) {
     let mut driven = factor::<S, T>(noise);
     let mut weights = [S::core_vector(T::zero()), S::core_vector(T::zero())];
     for k in 0..S::CORE {
-        weights[0][k] = cov[k][k];
+        weights[0][k] = d[k];
         weights[1][k] = driven[k][k];
         driven[k][k] = T::one();
         for i in k + 1..S::CORE {
@@ -146,7 +129,7 @@ fn orthogonalise<S: Shape, T: Real, M: Machine>(
     }
     for j in (0..S::CORE).rev() {
         let mut products = S::core_vector(T::zero());
-        for (part, weights) in [&moved, &driven].into_iter().zip(&weights) {
+        for (part, weights) in [&*moved, driven.as_slice()].into_iter().zip(&weights) {
             for k in 0..S::CORE {
                 let weighted = weights[k] * part[k][j];
                 for i in 0..S::CORE {
@@ -154,14 +137,13 @@ fn orthogonalise<S: Shape, T: Real, M: Machine>(
                 }
             }
         }
-        let d = products[j];
-        cov[j][j] = d;
-        let inverse = if d > T::zero() { T::one() / d } else { T::zero() };
+        d[j] = products[j];
+        let inverse = if d[j] > T::zero() { T::one() / d[j] } else { T::zero() };
         for i in 0..S::CORE {
             products[i] = if i < j { products[i] * inverse } else { T::zero() };
         }
         cov[j].as_mut_slice()[..j].copy_from_slice(&products.as_slice()[..j]);
-        for part in [&mut moved, &mut driven] {
+        for part in [&mut *moved, driven.as_mut_slice()] {
             for k in 0..S::CORE {
                 let w = -part[k][j];
                 for i in 0..S::CORE {
@@ -181,16 +163,24 @@ fn update<S: Shape, T: Real>(
     r: &S::Measurement<T>,
     z: &S::Measurement<T>,
 ) -> Option<Whitened<T>> {
+    let mut d = take_weights::<S, T>(cov);
     let mut whitened = Whitened { nis: T::zero(), log_det: T::zero() };
+    let mut done = Some(());
     let (h, r, z) = (h.as_slice(), r.as_slice(), z.as_slice());
     let whole = S::ROWS / TOGETHER * TOGETHER;
     for m in (0..whole).step_by(TOGETHER) {
-        take_in::<S, T, _, TOGETHER>(machine, cov, x, &h[m..], &r[m..], &z[m..], &mut whitened)?;
+        let next = (&h[m..], &r[m..], &z[m..]);
+        done =
+            done.and_then(|()| take_in::<S, T, _, TOGETHER>(machine, (cov, &mut d), x, next, &mut whitened));
     }
     for m in whole..S::ROWS {
-        take_in::<S, T, _, 1>(machine, cov, x, &h[m..], &r[m..], &z[m..], &mut whitened)?;
+        let next = (&h[m..], &r[m..], &z[m..]);
+        done = done.and_then(|()| take_in::<S, T, _, 1>(machine, (cov, &mut d), x, next, &mut whitened));
     }
-    Some(whitened)
+    for j in 0..S::STATES {
+        cov[j][j] = d[j];
+    }
+    done.map(|()| whitened)
 }
 
 /// `U' h` of `R` measurements, by column of U.
@@ -198,8 +188,7 @@ fn update<S: Shape, T: Real>(
 fn seen_by<S: Shape, T: Real, M: Machine, const R: usize>(
     cov: &S::Matrix<T>,
     h: &[S::Vector<T>],
-    seen: &mut S::Vector<[T; 4]>,
-) {
+) -> S::Vector<[T; 4]> {
     let mut list = S::indices();
     let used = used_columns::<S, T>(&h[..R], &mut list);
     let mut across: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
@@ -208,30 +197,19 @@ fn seen_by<S: Shape, T: Real, M: Machine, const R: usize>(
             across[j][m] = h[m][j];
         }
     }
+    let mut seen: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
     let left = |j: usize, k: usize| cov[j][k];
-    let mut group = |j: usize, sums: &[[T; 4]]| {
-        for (r, sums) in sums.iter().enumerate() {
-            let mut sums = *sums;
-            for k in j..j + r {
-                let u = cov[j + r][k];
-                for c in 0..4 {
-                    sums[c] = M::add_product(sums[c], u, across[k][c]);
-                }
-            }
-            for c in 0..4 {
-                seen[j + r][c] = sums[c] + across[j + r][c];
-            }
-        }
-    };
     let whole = S::STATES / COLUMNS * COLUMNS;
     for j in (0..whole).step_by(COLUMNS) {
-        let ks = list.as_slice()[..used].iter().copied().take_while(|k| *k < j);
-        group(j, &tile::<M, T, _, COLUMNS, 4>(&left, across.as_slice(), ks, (j, 0)));
+        let ks = list.as_slice()[..used].iter().copied().take_while(|k| *k < j + COLUMNS);
+        let sums = tile::<M, T, _, COLUMNS, 4>(&left, across.as_slice(), ks, (j, 0));
+        seen.as_mut_slice()[j..j + COLUMNS].copy_from_slice(&sums);
     }
     for j in whole..S::STATES {
-        let ks = list.as_slice()[..used].iter().copied().take_while(|k| *k < j);
-        group(j, &tile::<M, T, _, 1, 4>(&left, across.as_slice(), ks, (j, 0)));
+        let ks = list.as_slice()[..used].iter().copied().take_while(|k| *k <= j);
+        seen[j] = tile::<M, T, _, 1, 4>(&left, across.as_slice(), ks, (j, 0))[0];
     }
+    seen
 }
 
 /// Takes in the first `R` of the measurements, each as Bierman's scalar update; they go through the columns of U together.
@@ -242,15 +220,12 @@ fn seen_by<S: Shape, T: Real, M: Machine, const R: usize>(
 #[inline(always)]
 fn take_in<S: Shape, T: Real, M: Machine, const R: usize>(
     machine: M,
-    cov: &mut S::Matrix<T>,
+    (cov, d): (&mut S::Matrix<T>, &mut S::Vector<T>),
     x: &mut S::Vector<T>,
-    h: &[S::Vector<T>],
-    r: &[T],
-    z: &[T],
+    (h, r, z): (&[S::Vector<T>], &[T], &[T]),
     whitened: &mut Whitened<T>,
 ) -> Option<()> {
-    let mut seen: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
-    seen_by::<S, T, M, R>(cov, h, &mut seen);
+    let mut v = seen_by::<S, T, M, R>(cov, h);
     let mut pulls: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
     // variance of each innovation over the columns so far, and its inverse
     let mut total = [T::one(); R];
@@ -260,30 +235,26 @@ fn take_in<S: Shape, T: Real, M: Machine, const R: usize>(
         inverse[l] = if r[l] > T::zero() { T::one() / r[l] } else { T::zero() };
     }
     // h_m . g_l over the columns so far
-    let mut across = [[T::zero(); R]; R];
+    let mut shared = [[T::zero(); R]; R];
     for j in 0..S::STATES {
-        let mut f = seen[j];
-        let mut d = cov[j][j];
+        let mut f = v[j];
         for l in 0..R {
-            let v = d * f[l];
-            let pull = -f[l] * inverse[l];
-            let grown = M::add_product(total[l], v, f[l]);
+            v[j][l] = d[j] * f[l];
+            pulls[j][l] = -f[l] * inverse[l];
             for m in l + 1..R {
                 let before = f[m];
-                f[m] = M::add_product(before, pull, across[l][m]);
-                across[l][m] = M::add_product(across[l][m], v, before);
+                f[m] = M::add_product(before, pulls[j][l], shared[l][m]);
+                shared[l][m] = M::add_product(shared[l][m], v[j][l], before);
             }
-            if v != T::zero() {
+            if v[j][l] != T::zero() {
+                let grown = M::add_product(total[l], v[j][l], f[l]);
                 inverse[l] = if grown > T::zero() { T::one() / grown } else { T::zero() };
-                d *= total[l] * inverse[l];
+                d[j] *= total[l] * inverse[l];
                 total[l] = grown;
             }
-            seen[j][l] = v;
-            pulls[j][l] = pull;
         }
-        cov[j][j] = d;
     }
-    let gains = turn::<S, T, M, R>(cov, &seen, &pulls);
+    let gains = turn::<S, T, M, R>(cov, &v, &pulls);
     for l in 0..R {
         if !(total[l] > T::zero()) {
             return None;
@@ -308,59 +279,40 @@ fn turn<S: Shape, T: Real, M: Machine, const R: usize>(
     v: &S::Vector<[T; 4]>,
     pulls: &S::Vector<[T; 4]>,
 ) -> [S::Vector<T>; R] {
-    let mut gains = [(); R].map(|()| S::vector(T::zero()));
+    let mut gains: [_; R] = core::array::from_fn(|_| S::vector(T::zero()));
     let whole = S::STATES / ROWS * ROWS;
     for i in (0..whole).step_by(ROWS) {
-        let mut g = [[T::zero(); ROWS]; R];
-        // where the column begins in these rows, the rows below it are zero and stay so
-        for j in i..i + ROWS {
-            if let Some(column) = cov[j].as_mut_slice()[i..].first_chunk_mut::<ROWS>() {
-                turn_rows::<T, M, R, ROWS>(column, &mut g, &v[j], &pulls[j]);
-            }
-            for l in 0..R {
-                g[l][j - i] = v[j][l];
-            }
-        }
-        for j in i + ROWS..S::STATES {
-            if let Some(column) = cov[j].as_mut_slice()[i..].first_chunk_mut::<ROWS>() {
-                turn_rows::<T, M, R, ROWS>(column, &mut g, &v[j], &pulls[j]);
-            }
-        }
-        for l in 0..R {
-            gains[l].as_mut_slice()[i..i + ROWS].copy_from_slice(&g[l]);
-        }
+        turn_rows::<S, T, M, R, ROWS>(cov, &mut gains, i, v, pulls);
     }
     for i in whole..S::STATES {
-        let mut g = [[T::zero(); 1]; R];
-        for l in 0..R {
-            g[l][0] = v[i][l];
-        }
-        for j in i + 1..S::STATES {
-            if let Some(column) = cov[j].as_mut_slice()[i..].first_chunk_mut::<1>() {
-                turn_rows::<T, M, R, 1>(column, &mut g, &v[j], &pulls[j]);
-            }
-        }
-        for l in 0..R {
-            gains[l][i] = g[l][0];
-        }
+        turn_rows::<S, T, M, R, 1>(cov, &mut gains, i, v, pulls);
     }
     gains
 }
 
-/// Some rows of one column of U, and of the gains.
+/// Rows `i..i + C` of all columns of U, from the left to the right. Below the diagonal both U and the gains are still zero.
 #[inline(always)]
-fn turn_rows<T: Real, M: Machine, const R: usize, const C: usize>(
-    column: &mut [T; C],
-    gains: &mut [[T; C]; R],
-    v: &[T; 4],
-    pull: &[T; 4],
+fn turn_rows<S: Shape, T: Real, M: Machine, const R: usize, const C: usize>(
+    cov: &mut S::Matrix<T>,
+    gains: &mut [S::Vector<T>; R],
+    i: usize,
+    v: &S::Vector<[T; 4]>,
+    pulls: &S::Vector<[T; 4]>,
 ) {
-    for l in 0..R {
-        for c in 0..C {
-            let u = column[c];
-            column[c] = M::add_product(u, gains[l][c], pull[l]);
-            gains[l][c] = M::add_product(gains[l][c], u, v[l]);
+    let mut g = [[T::zero(); C]; R];
+    for j in i..S::STATES {
+        if let Some(column) = cov[j].as_mut_slice()[i..].first_chunk_mut::<C>() {
+            for l in 0..R {
+                for c in 0..C {
+                    let u = column[c];
+                    column[c] = M::add_product(u, g[l][c], pulls[j][l]);
+                    g[l][c] = M::add_product(g[l][c], u, v[j][l]);
+                }
+            }
         }
+    }
+    for l in 0..R {
+        gains[l].as_mut_slice()[i..i + C].copy_from_slice(&g[l]);
     }
 }
 
