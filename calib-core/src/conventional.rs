@@ -64,8 +64,8 @@ fn measure<S: Shape, T: Real>(
 }
 
 #[inline(always)]
-fn propagate<S: Shape, T: Real>(
-    machine: impl Machine,
+pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
+    machine: M,
     cov: &mut S::Matrix<T>,
     rows: &S::CoreRows<T>,
     noise: &S::CoreMatrix<T>,
@@ -97,8 +97,8 @@ fn propagate<S: Shape, T: Real>(
 }
 
 #[inline(always)]
-fn update<S: Shape, T: Real>(
-    machine: impl Machine,
+pub(crate) fn update<S: Shape, T: Real, M: Machine>(
+    machine: M,
     cov: &mut S::Matrix<T>,
     x: &mut S::Vector<T>,
     h: &S::MeasurementRows<T>,
@@ -143,7 +143,9 @@ fn update<S: Shape, T: Real>(
         }
     });
     let left = |i: usize, m: usize| y[m][i];
-    product::<_, _, _, true>(machine, (width, width), left, y.as_slice(), 0..S::ROWS, |i, first, values| {
+    // a length the compiler does not know keeps it from unrolling this loop and gathering across the tiles instead
+    let ks = 0..core::hint::black_box(S::ROWS);
+    product::<_, _, _, true>(machine, (width, width), left, y.as_slice(), ks, |i, first, values| {
         for (p, value) in cov[i].as_mut_slice()[first..].iter_mut().zip(values) {
             *p -= *value;
         }
@@ -160,7 +162,7 @@ impl Form for Conventional {
     }
 
     fn propagate<S: Shape, T: Real>(cov: &mut S::Matrix<T>, rows: &S::CoreRows<T>, noise: &S::CoreMatrix<T>) {
-        on_this_machine!(machine => propagate::<S, T>(machine, cov, rows, noise));
+        on_this_machine!(machine => propagate::<S, T, _>(machine, cov, rows, noise));
     }
 
     fn fade<S: Shape, T: Real>(cov: &mut S::Matrix<T>, fade: &Fade<T>) {
@@ -179,7 +181,7 @@ impl Form for Conventional {
         r: &S::Measurement<T>,
         z: &S::Measurement<T>,
     ) -> Option<Whitened<T>> {
-        on_this_machine!(machine => update::<S, T>(machine, cov, x, h, r, z))
+        on_this_machine!(machine => update::<S, T, _>(machine, cov, x, h, r, z))
     }
 
     fn project<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::MeasurementRows<T>) -> S::MeasurementMatrix<T> {

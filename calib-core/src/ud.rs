@@ -69,7 +69,7 @@ fn take_weights<S: Shape, T: Real>(cov: &mut S::Matrix<T>) -> S::Vector<T> {
 }
 
 #[inline(always)]
-fn propagate<S: Shape, T: Real, M: Machine>(
+pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
     machine: M,
     cov: &mut S::Matrix<T>,
     rows: &S::CoreRows<T>,
@@ -155,8 +155,8 @@ fn orthogonalise<S: Shape, T: Real, M: Machine>(
 }
 
 #[inline(always)]
-fn update<S: Shape, T: Real>(
-    machine: impl Machine,
+pub(crate) fn update<S: Shape, T: Real, M: Machine>(
+    machine: M,
     cov: &mut S::Matrix<T>,
     x: &mut S::Vector<T>,
     h: &S::MeasurementRows<T>,
@@ -366,7 +366,7 @@ impl Form for Ud {
         r: &S::Measurement<T>,
         z: &S::Measurement<T>,
     ) -> Option<Whitened<T>> {
-        on_this_machine!(machine => update::<S, T>(machine, cov, x, h, r, z))
+        on_this_machine!(machine => update::<S, T, _>(machine, cov, x, h, r, z))
     }
 
     fn project<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::MeasurementRows<T>) -> S::MeasurementMatrix<T> {
