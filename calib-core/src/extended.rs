@@ -3,6 +3,7 @@
 //! A declaration is concrete and its sizes are literals. Code that is generic over the declaration cannot add to a
 //! literal, so the sizes of an [`Extended`] filter are added as types.
 
+use core::fmt::Debug;
 use core::marker::PhantomData;
 use core::ops::Add;
 
@@ -22,22 +23,20 @@ impl<N: ArraySize, C: ArraySize, M: ArraySize> Shape for Grown<N, C, M> {
     const STATES: usize = N::USIZE;
     const CORE: usize = C::USIZE;
     const ROWS: usize = M::USIZE;
-    type Vector<T: Real> = hybrid_array::Array<T, N>;
+    type Vector<E: Clone + Debug + Send + Sync> = hybrid_array::Array<E, N>;
     type Matrix<T: Real> = hybrid_array::Array<Self::Vector<T>, N>;
     type CoreRows<T: Real> = hybrid_array::Array<Self::Vector<T>, C>;
-    type CoreColumns<T: Real> = hybrid_array::Array<Self::CoreVector<T>, N>;
     type CoreMatrix<T: Real> = hybrid_array::Array<Self::CoreVector<T>, C>;
     type CoreVector<T: Real> = hybrid_array::Array<T, C>;
     type MeasurementRows<T: Real> = hybrid_array::Array<Self::Vector<T>, M>;
-    type MeasurementColumns<T: Real> = hybrid_array::Array<Self::Measurement<T>, N>;
     type MeasurementMatrix<T: Real> = hybrid_array::Array<Self::Measurement<T>, M>;
     type Measurement<T: Real> = hybrid_array::Array<T, M>;
 }
 
-impl<E: Clone + core::fmt::Debug + Send + Sync, N: ArraySize> Array<E> for hybrid_array::Array<E, N> {
+impl<E: Clone + Debug + Send + Sync, N: ArraySize> Array<E> for hybrid_array::Array<E, N> {
     #[inline(always)]
-    fn fill(element: E) -> Self {
-        Self::from_fn(|_| element.clone())
+    fn from_fn(mut element: impl FnMut() -> E) -> Self {
+        hybrid_array::Array::from_fn(|_| element())
     }
     #[inline(always)]
     fn as_slice(&self) -> &[E] {

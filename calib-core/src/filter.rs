@@ -17,73 +17,74 @@ pub trait Shape: Sized + 'static {
     const CORE: usize;
     /// Number of measurement rows M.
     const ROWS: usize;
-    /// N numbers.
-    type Vector<T: Real>: Array<T>;
+    /// N of anything.
+    type Vector<E: Clone + Debug + Send + Sync>: Array<E>;
     /// N x N numbers, row after row.
     type Matrix<T: Real>: Array<Self::Vector<T>> + Entries<T>;
     /// C x N numbers: the non-trivial rows of the transition matrix.
     type CoreRows<T: Real>: Array<Self::Vector<T>>;
-    /// N x C numbers: such rows, transposed.
-    type CoreColumns<T: Real>: Array<Self::CoreVector<T>>;
     /// C x C numbers.
     type CoreMatrix<T: Real>: Array<Self::CoreVector<T>>;
     /// C numbers.
     type CoreVector<T: Real>: Array<T>;
     /// M x N numbers: the measurement matrix.
     type MeasurementRows<T: Real>: Array<Self::Vector<T>>;
-    /// N x M numbers: such rows, transposed.
-    type MeasurementColumns<T: Real>: Array<Self::Measurement<T>>;
     /// M x M numbers.
     type MeasurementMatrix<T: Real>: Array<Self::Measurement<T>>;
     /// M numbers.
     type Measurement<T: Real>: Array<T>;
 
     /// N equal numbers.
+    #[inline(always)]
     fn vector<T: Real>(value: T) -> Self::Vector<T> {
-        Array::fill(value)
+        Array::from_fn(|| value)
+    }
+    /// N indices, all zero.
+    #[inline(always)]
+    fn indices() -> Self::Vector<usize> {
+        Array::from_fn(|| 0)
     }
     /// N x N equal numbers.
+    #[inline(always)]
     fn matrix<T: Real>(value: T) -> Self::Matrix<T> {
-        Array::fill(Self::vector(value))
+        Array::from_fn(|| Self::vector(value))
     }
     /// C x N equal numbers.
+    #[inline(always)]
     fn core_rows<T: Real>(value: T) -> Self::CoreRows<T> {
-        Array::fill(Self::vector(value))
-    }
-    /// N x C equal numbers.
-    fn core_columns<T: Real>(value: T) -> Self::CoreColumns<T> {
-        Array::fill(Self::core_vector(value))
+        Array::from_fn(|| Self::vector(value))
     }
     /// C x C equal numbers.
+    #[inline(always)]
     fn core_matrix<T: Real>(value: T) -> Self::CoreMatrix<T> {
-        Array::fill(Self::core_vector(value))
+        Array::from_fn(|| Self::core_vector(value))
     }
     /// C equal numbers.
+    #[inline(always)]
     fn core_vector<T: Real>(value: T) -> Self::CoreVector<T> {
-        Array::fill(value)
+        Array::from_fn(|| value)
     }
     /// M x N equal numbers.
+    #[inline(always)]
     fn measurement_rows<T: Real>(value: T) -> Self::MeasurementRows<T> {
-        Array::fill(Self::vector(value))
-    }
-    /// N x M equal numbers.
-    fn measurement_columns<T: Real>(value: T) -> Self::MeasurementColumns<T> {
-        Array::fill(Self::measurement(value))
+        Array::from_fn(|| Self::vector(value))
     }
     /// M x M equal numbers.
+    #[inline(always)]
     fn measurement_matrix<T: Real>(value: T) -> Self::MeasurementMatrix<T> {
-        Array::fill(Self::measurement(value))
+        Array::from_fn(|| Self::measurement(value))
     }
     /// M equal numbers.
+    #[inline(always)]
     fn measurement<T: Real>(value: T) -> Self::Measurement<T> {
-        Array::fill(value)
+        Array::from_fn(|| value)
     }
 }
 
 /// An array whose length is part of its type.
 pub trait Array<E: Clone>: Clone + Debug + Send + Sync + IndexMut<usize, Output = E> {
-    /// An array of equal elements.
-    fn fill(element: E) -> Self;
+    /// An array of elements made one by one.
+    fn from_fn(element: impl FnMut() -> E) -> Self;
     /// The elements as a slice.
     fn as_slice(&self) -> &[E];
     /// The elements as a mutable slice.
@@ -92,8 +93,8 @@ pub trait Array<E: Clone>: Clone + Debug + Send + Sync + IndexMut<usize, Output 
 
 impl<E: Clone + Debug + Send + Sync, const N: usize> Array<E> for [E; N] {
     #[inline(always)]
-    fn fill(element: E) -> Self {
-        core::array::from_fn(|_| element.clone())
+    fn from_fn(mut element: impl FnMut() -> E) -> Self {
+        core::array::from_fn(|_| element())
     }
     #[inline(always)]
     fn as_slice(&self) -> &[E] {
@@ -113,14 +114,12 @@ impl<const N: usize, const C: usize, const M: usize> Shape for Dim<N, C, M> {
     const STATES: usize = N;
     const CORE: usize = C;
     const ROWS: usize = M;
-    type Vector<T: Real> = [T; N];
+    type Vector<E: Clone + Debug + Send + Sync> = [E; N];
     type Matrix<T: Real> = [[T; N]; N];
     type CoreRows<T: Real> = [[T; N]; C];
-    type CoreColumns<T: Real> = [[T; C]; N];
     type CoreMatrix<T: Real> = [[T; C]; C];
     type CoreVector<T: Real> = [T; C];
     type MeasurementRows<T: Real> = [[T; N]; M];
-    type MeasurementColumns<T: Real> = [[T; M]; N];
     type MeasurementMatrix<T: Real> = [[T; M]; M];
     type Measurement<T: Real> = [T; M];
 }

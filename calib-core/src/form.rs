@@ -73,6 +73,7 @@ pub trait Form: Copy + 'static {
 }
 
 /// Cholesky factor L (lower, S = L L') in place; `None` when a pivot is not positive.
+#[inline(always)]
 pub(crate) fn cholesky<S: Shape, T: Real>(s: &mut S::MeasurementMatrix<T>) -> Option<()> {
     for i in 0..S::ROWS {
         for j in 0..=i {
@@ -94,6 +95,20 @@ pub(crate) fn cholesky<S: Shape, T: Real>(s: &mut S::MeasurementMatrix<T>) -> Op
 }
 
 /// Whether measurement `row` is present: a row of zeros measures nothing.
+#[inline(always)]
 pub(crate) fn is_present<S: Shape, T: Real>(row: &S::Vector<T>) -> bool {
     row.as_slice().iter().any(|h| *h != T::zero())
+}
+
+/// Writes down which columns of some measurement rows have entries, and returns how many.
+#[inline(always)]
+pub(crate) fn used_columns<S: Shape, T: Real>(rows: &[S::Vector<T>], list: &mut S::Vector<usize>) -> usize {
+    let mut used = 0;
+    for k in 0..S::STATES {
+        if rows.iter().any(|row| row[k] != T::zero()) {
+            list[used] = k;
+            used += 1;
+        }
+    }
+    used
 }

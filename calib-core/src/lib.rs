@@ -15,6 +15,7 @@ mod extended;
 mod filter;
 mod form;
 mod kalman;
+mod machine;
 mod observability;
 mod real;
 mod tile;

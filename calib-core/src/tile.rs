@@ -1,34 +1,28 @@
-//! The loop where the time goes, on tiles that fit into registers.
+//! The loops where the time goes, on tiles that fit into registers.
 //!
-//! The sums of a tile never leave the processor, and each row of the right-hand side is read once for all of them. Each sum
-//! runs over k in order, so that results do not depend on the tile they fall into.
+//! The sums of a tile never leave the processor, and what it reads serves several of them. Each sum of [`product`] runs over k
+//! in order, so that results do not depend on the tile they fall into.
 
+use core::ops::Range;
+
+use crate::machine::Machine;
 use crate::{Array, Real};
 
-/// Three with 256-bit registers; with 128 bits the sums of a third row would not stay in registers.
-const ROWS: usize = if cfg!(target_feature = "avx") { 3 } else { 2 };
-const COLUMNS: usize = 8;
-
-/// `sum + a * b`, fused where the target can.
+/// Columns `first..first + C` of rows `i..i + R` of a product: the sum over `ks` of `left(row, k)` times row k of `right`.
 #[inline(always)]
-fn add_product<T: Real>(sum: T, a: T, b: T) -> T {
-    if cfg!(all(feature = "std", target_feature = "fma")) { a.mul_add(b, sum) } else { sum + a * b }
-}
-
-/// Columns `first..first + COLUMNS` of `R` rows of the product of `left` and `right`.
-#[inline(always)]
-fn tile<T: Real, A: Array<T>, V: Array<T>, const R: usize>(
-    left: &[A; R],
+pub(crate) fn tile<M: Machine, T: Real, V: Array<T>, const R: usize, const C: usize>(
+    left: &impl Fn(usize, usize) -> T,
     right: &[V],
-    first: usize,
-) -> [[T; COLUMNS]; R] {
-    let mut sums = [[T::zero(); COLUMNS]; R];
-    for (k, row) in right.iter().enumerate() {
-        if let Some(row) = row.as_slice()[first..].first_chunk::<COLUMNS>() {
+    ks: impl Iterator<Item = usize>,
+    (i, first): (usize, usize),
+) -> [[T; C]; R] {
+    let mut sums = [[T::zero(); C]; R];
+    for k in ks {
+        if let Some(row) = right[k].as_slice()[first..].first_chunk::<C>() {
             for r in 0..R {
-                let a = left[r][k];
-                for c in 0..COLUMNS {
-                    sums[r][c] = add_product(sums[r][c], a, row[c]);
+                let a = left(i + r, k);
+                for c in 0..C {
+                    sums[r][c] = M::add_product(sums[r][c], a, row[c]);
                 }
             }
         }
@@ -36,41 +30,125 @@ fn tile<T: Real, A: Array<T>, V: Array<T>, const R: usize>(
     sums
 }
 
-/// Calls `put(row, first column, values)` for pieces of the product of the matrices whose rows are `left` and `right`.
+/// Tiles over all rows: `C` columns of a product from `first` on, of which `keep` are handed over.
 #[inline(always)]
-pub(crate) fn product<T: Real, A: Array<T>, V: Array<T>>(
-    left: &[A],
+fn columns<M: Machine, T: Real, V: Array<T>, const R: usize, const C: usize>(
+    rows: usize,
+    left: &impl Fn(usize, usize) -> T,
     right: &[V],
+    ks: &(impl Iterator<Item = usize> + Clone),
+    (first, keep): (usize, Range<usize>),
+    put: &mut impl FnMut(usize, usize, &[T]),
+) {
+    let whole = rows / R * R;
+    for i in (0..whole).step_by(R) {
+        let sums = tile::<M, T, V, R, C>(left, right, ks.clone(), (i, first));
+        for r in 0..R {
+            put(i + r, first + keep.start, &sums[r][keep.clone()]);
+        }
+    }
+    for i in whole..rows {
+        let sums = tile::<M, T, V, 1, C>(left, right, ks.clone(), (i, first));
+        put(i, first + keep.start, &sums[0][keep.clone()]);
+    }
+}
+
+/// Calls `put(row, first column, values)` for pieces of the product of `left`, of so many `rows`, and the first `width`
+/// columns of `right`; k runs over `ks`, where `left` is not zero. Where `ONCE` is false some columns come twice, with the
+/// same bits.
+#[inline(always)]
+pub(crate) fn product<M: Machine, T: Real, V: Array<T>, const ONCE: bool>(
+    _: M,
+    (rows, width): (usize, usize),
+    left: impl Fn(usize, usize) -> T,
+    right: &[V],
+    ks: impl Iterator<Item = usize> + Clone,
     mut put: impl FnMut(usize, usize, &[T]),
 ) {
-    let width = right.first().map_or(0, |row| row.as_slice().len());
-    let (groups, rest) = left.as_chunks::<ROWS>();
-    if width < COLUMNS {
-        for (r, left) in left.iter().enumerate() {
-            for c in 0..width {
-                let mut sum = T::zero();
-                for (k, row) in right.iter().enumerate() {
-                    sum = add_product(sum, left[k], row[c]);
-                }
-                put(r, c, &[sum]);
-            }
-        }
-        return;
+    if M::WIDE {
+        blocks::<M, T, V, 3, 12, ONCE>((rows, width), &left, right, &ks, &mut put);
+    } else {
+        blocks::<M, T, V, 2, 8, ONCE>((rows, width), &left, right, &ks, &mut put);
     }
+}
+
+/// [`product`] in tiles of `R` x `C`, the last of each row narrower.
+#[inline(always)]
+pub(crate) fn blocks<M: Machine, T: Real, V: Array<T>, const R: usize, const C: usize, const ONCE: bool>(
+    (rows, width): (usize, usize),
+    left: &impl Fn(usize, usize) -> T,
+    right: &[V],
+    ks: &(impl Iterator<Item = usize> + Clone),
+    put: &mut impl FnMut(usize, usize, &[T]),
+) {
+    let length = right.first().map_or(0, |row| row.as_slice().len());
     let mut done = 0;
-    while done < width {
-        // the last tile overlaps the one before and hands over only what is new
-        let first = done.min(width - COLUMNS);
-        for (i, left) in groups.iter().enumerate() {
-            let sums = tile(left, right, first);
-            for r in 0..ROWS {
-                put(i * ROWS + r, done, &sums[r][done - first..]);
+    while done + C <= width {
+        columns::<M, T, V, R, C>(rows, left, right, ks, (done, 0..C), put);
+        done += C;
+    }
+    // a tile that would reach beyond the row begins earlier
+    let last = |size: usize| {
+        let first = done.min(length - size);
+        (first, if ONCE { done - first } else { 0 }..width - first)
+    };
+    match width - done {
+        0 => {}
+        ..=4 if length >= 4 => columns::<M, T, V, R, 4>(rows, left, right, ks, last(4), put),
+        ..=8 if length >= 8 => columns::<M, T, V, R, 8>(rows, left, right, ks, last(8), put),
+        _ if length >= C => columns::<M, T, V, R, C>(rows, left, right, ks, last(C), put),
+        _ => {
+            for c in done..width {
+                columns::<M, T, V, R, 1>(rows, left, right, ks, (c, 0..1), put);
             }
         }
-        for (i, left) in rest.iter().enumerate() {
-            let sums = tile(core::array::from_ref(left), right, first);
-            put(groups.len() * ROWS + i, done, &sums[0][done - first..]);
-        }
-        done = first + COLUMNS;
     }
+}
+
+/// The sums over `ks` of `left(r, k)` times `right(c, k)`.
+#[inline(always)]
+pub(crate) fn small_product<M: Machine, T: Real, const R: usize, const C: usize>(
+    _: M,
+    left: impl Fn(usize, usize) -> T,
+    right: impl Fn(usize, usize) -> T,
+    ks: impl Iterator<Item = usize>,
+) -> [[T; C]; R] {
+    let mut sums = [[T::zero(); C]; R];
+    for k in ks {
+        for r in 0..R {
+            for c in 0..C {
+                sums[r][c] = M::add_product(sums[r][c], left(r, k), right(c, k));
+            }
+        }
+    }
+    sums
+}
+
+/// Partial sums of a scalar product.
+const LANES: usize = 8;
+
+/// `left . right`.
+#[inline(always)]
+pub(crate) fn dot<M: Machine, T: Real>(_: M, left: &[T], right: &[T]) -> T {
+    let (left, left_rest) = left.as_chunks::<LANES>();
+    let (right, right_rest) = right.as_chunks::<LANES>();
+    let mut lanes = [T::zero(); LANES];
+    for (left, right) in left.iter().zip(right) {
+        for l in 0..LANES {
+            lanes[l] = M::add_product(lanes[l], left[l], right[l]);
+        }
+    }
+    let mut sum = T::zero();
+    for (a, b) in left_rest.iter().zip(right_rest) {
+        sum = M::add_product(sum, *a, *b);
+    }
+    let mut half = LANES / 2;
+    while half > 0 {
+        for l in 0..half {
+            let other = lanes[l + half];
+            lanes[l] += other;
+        }
+        half /= 2;
+    }
+    lanes[0] + sum
 }

@@ -1,5 +1,7 @@
 //! The non-trivial rows of a filter's transition matrix, accumulated over an interval.
 
+use crate::machine::{Machine, on_this_machine};
+use crate::tile::product;
 use crate::{Array, Block, BlockSet, CoreRows, CoreVector, Dynamics, Filter, Real, Shape};
 
 /// `[Phi Psi]`: how the leading states at the end of an interval depend on all states at its beginning.
@@ -59,23 +61,9 @@ impl<F: Filter, T: Real> Transition<F, T> {
     ///
     /// `rows += dt A (rows + (dt A rows + drive) / 2) + drive`: exact to second order in `dt`.
     pub fn advance(&mut self, at: &<F::Dynamics as Dynamics>::Point<T>, dt: T) {
-        let half = T::of(0.5);
-        let mut middle = self.rows.clone();
-        for i in 0..F::Shape::CORE {
-            add_scaled::<F::Shape, T>(&mut middle[i], &self.drive[i], half);
-        }
-        let mut end = self.rows.clone();
-        for i in 0..F::Shape::CORE {
-            add_scaled::<F::Shape, T>(&mut end[i], &self.drive[i], T::one());
-        }
-        let rows = &self.rows;
-        F::Dynamics::core_jacobian(at, &mut |i, j, a| {
-            add_scaled::<F::Shape, T>(&mut middle[i], &rows[j], a * dt * half);
-        });
-        F::Dynamics::core_jacobian(at, &mut |i, j, a| {
-            add_scaled::<F::Shape, T>(&mut end[i], &middle[j], a * dt);
-        });
-        self.rows = end;
+        let mut a = F::Shape::core_matrix(T::zero());
+        F::Dynamics::core_jacobian(at, &mut |i, j, value| a[i][j] += value * dt);
+        on_this_machine!(machine => advance::<F::Shape, T>(machine, &a, &mut self.rows, &self.drive));
         self.drive = F::Shape::core_rows(T::zero());
         self.elapsed += dt;
     }
@@ -90,38 +78,69 @@ impl<F: Filter, T: Real> Transition<F, T> {
         self.elapsed
     }
 
-    /// Covariance that white noise of the given densities on the leading states adds over the interval:
-    /// Simpson's rule on `Phi Q Phi'`, exact for a chain of two integrators.
+    /// Covariance that white noise of the given densities D on the leading states adds over the interval T:
+    /// Simpson's rule on `Phi D Phi'` with `(I + Phi) / 2` in the middle, exact for a chain of two integrators. Multiplied out,
+    /// `T/6 (2 D + 2 Phi D Phi' + Phi D + D Phi')`.
     pub fn noise(&self, density: &CoreVector<F, T>) -> <F::Shape as Shape>::CoreMatrix<T> {
-        let half = T::of(0.5);
-        let (sixth, four_sixths) = (self.elapsed / T::of(6.0), self.elapsed * T::of(4.0 / 6.0));
+        let (sixth, two) = (self.elapsed / T::of(6.0), T::of(2.0));
         let mut q = F::Shape::core_matrix(T::zero());
-        for k in 0..F::Shape::CORE {
-            let d = density[k];
-            if d == T::zero() {
-                continue;
-            }
-            q[k][k] += d * sixth;
-            for i in 0..F::Shape::CORE {
-                let unit_i = if i == k { T::one() } else { T::zero() };
-                let (end_i, mid_i) = (self.rows[i][k], half * (unit_i + self.rows[i][k]));
-                for l in 0..F::Shape::CORE {
-                    let unit_l = if l == k { T::one() } else { T::zero() };
-                    let (end_l, mid_l) = (self.rows[l][k], half * (unit_l + self.rows[l][k]));
-                    q[i][l] += d * (sixth * (end_i * end_l) + four_sixths * (mid_i * mid_l));
+        for i in 0..F::Shape::CORE {
+            for l in 0..=i {
+                let mut sum = if i == l { density[i] } else { T::zero() };
+                for k in 0..F::Shape::CORE {
+                    sum += self.rows[i][k] * density[k] * self.rows[l][k];
                 }
+                q[i][l] = sixth * (two * sum + self.rows[i][l] * density[l] + density[i] * self.rows[l][i]);
+                q[l][i] = q[i][l];
             }
         }
         q
     }
 }
 
-/// `y += a x`. Kept out of line: a rolled loop vectorises, forty inlined copies do not.
-#[inline(never)]
-fn add_scaled<S: Shape, T: Real>(y: &mut S::Vector<T>, x: &S::Vector<T>, a: T) {
-    for (y, x) in y.as_mut_slice().iter_mut().zip(x.as_slice()) {
-        *y += a * *x;
+/// `rows + drive + A (rows + (A rows + drive) / 2)`, with A times the step in `a`.
+#[inline(always)]
+fn advance<S: Shape, T: Real>(
+    machine: impl Machine,
+    a: &S::CoreMatrix<T>,
+    rows: &mut S::CoreRows<T>,
+    drive: &S::CoreRows<T>,
+) {
+    let half = T::of(0.5);
+    let mut middle = times::<S, T>(machine, a, rows);
+    for i in 0..S::CORE {
+        for j in 0..S::STATES {
+            middle[i][j] = rows[i][j] + half * (middle[i][j] + drive[i][j]);
+        }
     }
+    let end = times::<S, T>(machine, a, &middle);
+    for i in 0..S::CORE {
+        for j in 0..S::STATES {
+            rows[i][j] += drive[i][j] + end[i][j];
+        }
+    }
+}
+
+/// `A rows`.
+#[inline(always)]
+fn times<S: Shape, T: Real>(
+    machine: impl Machine,
+    a: &S::CoreMatrix<T>,
+    rows: &S::CoreRows<T>,
+) -> S::CoreRows<T> {
+    let mut product_rows = S::core_rows(T::zero());
+    let size = (S::CORE, S::STATES);
+    product::<_, _, _, false>(
+        machine,
+        size,
+        |i, k| a[i][k],
+        rows.as_slice(),
+        0..S::CORE,
+        |i, first, values| {
+            product_rows[i].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
+        },
+    );
+    product_rows
 }
 
 /// Removes from `signals` what filter `F` does not model.

@@ -1,12 +1,14 @@
 //! The factored covariance P = U D U', by Thornton and Bierman.
 
-use crate::form::{Fade, Form, Whitened, is_present};
-use crate::{Real, Shape};
+use crate::form::{Fade, Form, Whitened, is_present, used_columns};
+use crate::machine::{Machine, on_this_machine};
+use crate::tile::{blocks, dot, tile};
+use crate::{Array, Real, Shape};
 
 /// P = U D U' with U unit upper triangular and D diagonal: the robust form, and the only one fit for `f32`.
 ///
 /// Stored transposed in the lower triangle, so that a column of U lies in memory in one piece: entry `[j][i]`
-/// is U_ij for i < j, entry `[j][j]` is D_j, the rest is not used. With the leading states first, propagation
+/// is U_ij for i < j, entry `[j][j]` is D_j, the rest is zero. With the leading states first, propagation
 /// leaves the parameters' part of U and D untouched (Bierman, *Factorization Methods for Discrete Sequential
 /// Estimation*, 1977, chapters V and VII).
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +51,271 @@ fn factor<S: Shape, T: Real>(noise: &S::CoreMatrix<T>) -> S::CoreMatrix<T> {
     q
 }
 
+/// Columns of U that are moved, or seen by a measurement, side by side.
+const COLUMNS: usize = 6;
+/// Measurements that are taken in together: those of a vector.
+const TOGETHER: usize = 3;
+/// Rows of U that a measurement changes side by side.
+const ROWS: usize = 8;
+
+/// Takes D out of the diagonal and leaves the ones of U there: columns can then be used whole.
+#[inline(always)]
+fn take_weights<S: Shape, T: Real>(cov: &mut S::Matrix<T>) -> S::Vector<T> {
+    let mut d = S::vector(T::one());
+    for j in 0..S::STATES {
+        core::mem::swap(&mut d[j], &mut cov[j][j]);
+    }
+    d
+}
+
+#[inline(always)]
+pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
+    machine: M,
+    cov: &mut S::Matrix<T>,
+    rows: &S::CoreRows<T>,
+    noise: &S::CoreMatrix<T>,
+) {
+    let mut d = take_weights::<S, T>(cov);
+    let mut across: S::Vector<S::CoreVector<T>> = Array::from_fn(|| S::core_vector(T::zero()));
+    for j in 0..S::STATES {
+        for i in 0..S::CORE {
+            across[j][i] = rows[i][j];
+        }
+    }
+    // columns of [Phi Psi] U, the leading part of them
+    let mut moved: S::Vector<S::CoreVector<T>> = Array::from_fn(|| S::core_vector(T::zero()));
+    let mut put = |j: usize, first: usize, values: &[T]| {
+        moved[j].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
+    };
+    for j in (0..S::STATES).step_by(COLUMNS) {
+        let last = S::STATES.min(j + COLUMNS);
+        let left = |r: usize, k: usize| cov[j + r][k];
+        let mut put = |r: usize, first: usize, values: &[T]| put(j + r, first, values);
+        let size = (last - j, S::CORE);
+        if M::WIDE {
+            blocks::<M, T, _, COLUMNS, 8, false>(size, &left, across.as_slice(), &(0..last), &mut put);
+        } else {
+            blocks::<M, T, _, 2, 8, false>(size, &left, across.as_slice(), &(0..last), &mut put);
+        }
+    }
+    for j in S::CORE..S::STATES {
+        cov[j].as_mut_slice()[..S::CORE].copy_from_slice(moved[j].as_slice());
+    }
+    orthogonalise::<S, T, M>(machine, cov, &mut d, &mut moved.as_mut_slice()[..S::CORE], noise);
+    for j in 0..S::STATES {
+        cov[j][j] = d[j];
+    }
+}
+
+/// The leading block: the rows of [Phi U11, Uq] made orthogonal in the weights [D1, Dq], from the last to the first. The rows
+/// stand in columns, so that one step serves all of them at once.
+#[inline(always)]
+fn orthogonalise<S: Shape, T: Real, M: Machine>(
+    _: M,
+    cov: &mut S::Matrix<T>,
+    d: &mut S::Vector<T>,
+    moved: &mut [S::CoreVector<T>],
+    noise: &S::CoreMatrix<T>,
+) {
+    let mut driven = factor::<S, T>(noise);
+    let mut weights = [S::core_vector(T::zero()), S::core_vector(T::zero())];
+    for k in 0..S::CORE {
+        weights[0][k] = d[k];
+        weights[1][k] = driven[k][k];
+        driven[k][k] = T::one();
+        for i in k + 1..S::CORE {
+            driven[k][i] = T::zero();
+        }
+    }
+    for j in (0..S::CORE).rev() {
+        let mut products = S::core_vector(T::zero());
+        for (part, weights) in [&*moved, driven.as_slice()].into_iter().zip(&weights) {
+            for k in 0..S::CORE {
+                let weighted = weights[k] * part[k][j];
+                for i in 0..S::CORE {
+                    products[i] = M::add_product(products[i], weighted, part[k][i]);
+                }
+            }
+        }
+        d[j] = products[j];
+        let inverse = if d[j] > T::zero() { T::one() / d[j] } else { T::zero() };
+        for i in 0..S::CORE {
+            products[i] = if i < j { products[i] * inverse } else { T::zero() };
+        }
+        cov[j].as_mut_slice()[..j].copy_from_slice(&products.as_slice()[..j]);
+        for part in [&mut *moved, driven.as_mut_slice()] {
+            for k in 0..S::CORE {
+                let w = -part[k][j];
+                for i in 0..S::CORE {
+                    part[k][i] = M::add_product(part[k][i], w, products[i]);
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+pub(crate) fn update<S: Shape, T: Real, M: Machine>(
+    machine: M,
+    cov: &mut S::Matrix<T>,
+    x: &mut S::Vector<T>,
+    h: &S::MeasurementRows<T>,
+    r: &S::Measurement<T>,
+    z: &S::Measurement<T>,
+) -> Option<Whitened<T>> {
+    let mut d = take_weights::<S, T>(cov);
+    let mut whitened = Whitened { nis: T::zero(), log_det: T::zero() };
+    let mut done = Some(());
+    let (h, r, z) = (h.as_slice(), r.as_slice(), z.as_slice());
+    let whole = S::ROWS / TOGETHER * TOGETHER;
+    for m in (0..whole).step_by(TOGETHER) {
+        let next = (&h[m..], &r[m..], &z[m..]);
+        done =
+            done.and_then(|()| take_in::<S, T, _, TOGETHER>(machine, (cov, &mut d), x, next, &mut whitened));
+    }
+    for m in whole..S::ROWS {
+        let next = (&h[m..], &r[m..], &z[m..]);
+        done = done.and_then(|()| take_in::<S, T, _, 1>(machine, (cov, &mut d), x, next, &mut whitened));
+    }
+    for j in 0..S::STATES {
+        cov[j][j] = d[j];
+    }
+    done.map(|()| whitened)
+}
+
+/// `U' h` of `R` measurements, by column of U.
+#[inline(always)]
+fn seen_by<S: Shape, T: Real, M: Machine, const R: usize>(
+    cov: &S::Matrix<T>,
+    h: &[S::Vector<T>],
+) -> S::Vector<[T; 4]> {
+    let mut list = S::indices();
+    let used = used_columns::<S, T>(&h[..R], &mut list);
+    let mut across: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
+    for m in 0..R {
+        for j in 0..S::STATES {
+            across[j][m] = h[m][j];
+        }
+    }
+    let mut seen: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
+    let left = |j: usize, k: usize| cov[j][k];
+    let whole = S::STATES / COLUMNS * COLUMNS;
+    for j in (0..whole).step_by(COLUMNS) {
+        let ks = list.as_slice()[..used].iter().copied().take_while(|k| *k < j + COLUMNS);
+        let sums = tile::<M, T, _, COLUMNS, 4>(&left, across.as_slice(), ks, (j, 0));
+        seen.as_mut_slice()[j..j + COLUMNS].copy_from_slice(&sums);
+    }
+    for j in whole..S::STATES {
+        let ks = list.as_slice()[..used].iter().copied().take_while(|k| *k <= j);
+        seen[j] = tile::<M, T, _, 1, 4>(&left, across.as_slice(), ks, (j, 0))[0];
+    }
+    seen
+}
+
+/// Takes in the first `R` of the measurements, each as Bierman's scalar update; they go through the columns of U together.
+///
+/// Measurement l turns column j of U, u, into `u + pull g` and its gain g, so far known in its first j entries, into
+/// `g + v u`. What the next measurement sees of the new column, `h'u`, follows without a look at the column from `h'g`: so all
+/// v and all pulls can be had first, and each column of U is then read and written once for all measurements.
+#[inline(always)]
+fn take_in<S: Shape, T: Real, M: Machine, const R: usize>(
+    machine: M,
+    (cov, d): (&mut S::Matrix<T>, &mut S::Vector<T>),
+    x: &mut S::Vector<T>,
+    (h, r, z): (&[S::Vector<T>], &[T], &[T]),
+    whitened: &mut Whitened<T>,
+) -> Option<()> {
+    let mut v = seen_by::<S, T, M, R>(cov, h);
+    let mut pulls: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
+    // variance of each innovation over the columns so far, and its inverse
+    let mut total = [T::one(); R];
+    let mut inverse = [T::one(); R];
+    for l in 0..R {
+        total[l] = r[l];
+        inverse[l] = if r[l] > T::zero() { T::one() / r[l] } else { T::zero() };
+    }
+    // h_m . g_l over the columns so far
+    let mut shared = [[T::zero(); R]; R];
+    for j in 0..S::STATES {
+        let mut f = v[j];
+        for l in 0..R {
+            v[j][l] = d[j] * f[l];
+            pulls[j][l] = -f[l] * inverse[l];
+            for m in l + 1..R {
+                let before = f[m];
+                f[m] = M::add_product(before, pulls[j][l], shared[l][m]);
+                shared[l][m] = M::add_product(shared[l][m], v[j][l], before);
+            }
+            if v[j][l] != T::zero() {
+                let grown = M::add_product(total[l], v[j][l], f[l]);
+                inverse[l] = if grown > T::zero() { T::one() / grown } else { T::zero() };
+                d[j] *= total[l] * inverse[l];
+                total[l] = grown;
+            }
+        }
+    }
+    let gains = turn::<S, T, M, R>(cov, &v, &pulls);
+    for l in 0..R {
+        if !(total[l] > T::zero()) {
+            return None;
+        }
+        if is_present::<S, T>(&h[l]) {
+            let residual = z[l] - dot(machine, h[l].as_slice(), x.as_slice());
+            let innovation = residual * inverse[l];
+            for j in 0..S::STATES {
+                x[j] = M::add_product(x[j], gains[l][j], innovation);
+            }
+            whitened.nis += residual * innovation;
+            whitened.log_det += total[l].ln();
+        }
+    }
+    Some(())
+}
+
+/// The columns of U after `R` measurements, whose `v` and `pulls` are given by column; returns the gains.
+#[inline(always)]
+fn turn<S: Shape, T: Real, M: Machine, const R: usize>(
+    cov: &mut S::Matrix<T>,
+    v: &S::Vector<[T; 4]>,
+    pulls: &S::Vector<[T; 4]>,
+) -> [S::Vector<T>; R] {
+    let mut gains: [_; R] = core::array::from_fn(|_| S::vector(T::zero()));
+    let whole = S::STATES / ROWS * ROWS;
+    for i in (0..whole).step_by(ROWS) {
+        turn_rows::<S, T, M, R, ROWS>(cov, &mut gains, i, v, pulls);
+    }
+    for i in whole..S::STATES {
+        turn_rows::<S, T, M, R, 1>(cov, &mut gains, i, v, pulls);
+    }
+    gains
+}
+
+/// Rows `i..i + C` of all columns of U, from the left to the right. Below the diagonal both U and the gains are still zero.
+#[inline(always)]
+fn turn_rows<S: Shape, T: Real, M: Machine, const R: usize, const C: usize>(
+    cov: &mut S::Matrix<T>,
+    gains: &mut [S::Vector<T>; R],
+    i: usize,
+    v: &S::Vector<[T; 4]>,
+    pulls: &S::Vector<[T; 4]>,
+) {
+    let mut g = [[T::zero(); C]; R];
+    for j in i..S::STATES {
+        if let Some(column) = cov[j].as_mut_slice()[i..].first_chunk_mut::<C>() {
+            for l in 0..R {
+                for c in 0..C {
+                    let u = column[c];
+                    column[c] = M::add_product(u, g[l][c], pulls[j][l]);
+                    g[l][c] = M::add_product(g[l][c], u, v[j][l]);
+                }
+            }
+        }
+    }
+    for l in 0..R {
+        gains[l].as_mut_slice()[i..i + C].copy_from_slice(&g[l]);
+    }
+}
+
 impl Form for Ud {
     fn set_diagonal<S: Shape, T: Real>(cov: &mut S::Matrix<T>, variances: &S::Vector<T>) {
         *cov = S::matrix(T::zero());
@@ -58,65 +325,7 @@ impl Form for Ud {
     }
 
     fn propagate<S: Shape, T: Real>(cov: &mut S::Matrix<T>, rows: &S::CoreRows<T>, noise: &S::CoreMatrix<T>) {
-        // the parameters' columns: U12 <- Phi U12 + Psi U22
-        for j in S::CORE..S::STATES {
-            let column = cov[j].clone();
-            for i in 0..S::CORE {
-                let row = &rows[i];
-                let mut sum = row[j];
-                for k in 0..j {
-                    sum += row[k] * column[k];
-                }
-                cov[j][i] = sum;
-            }
-        }
-        // the leading block: orthogonalise the rows of [Phi U11, Uq] in the weights [D1, Dq]
-        let q = factor::<S, T>(noise);
-        let mut moved = S::core_matrix(T::zero());
-        let mut driven = S::core_matrix(T::zero());
-        let mut moved_weight = S::core_vector(T::zero());
-        let mut driven_weight = S::core_vector(T::zero());
-        for j in 0..S::CORE {
-            moved_weight[j] = cov[j][j];
-            driven_weight[j] = q[j][j];
-            for i in 0..S::CORE {
-                let mut sum = rows[i][j];
-                for k in 0..j {
-                    sum += rows[i][k] * cov[j][k];
-                }
-                moved[i][j] = sum;
-                driven[i][j] = if i == j {
-                    T::one()
-                } else if i < j {
-                    q[j][i]
-                } else {
-                    T::zero()
-                };
-            }
-        }
-        for j in (0..S::CORE).rev() {
-            let mut d = T::zero();
-            for k in 0..S::CORE {
-                d += moved[j][k] * moved[j][k] * moved_weight[k];
-                d += driven[j][k] * driven[j][k] * driven_weight[k];
-            }
-            cov[j][j] = d;
-            let inverse = if d > T::zero() { T::one() / d } else { T::zero() };
-            for i in 0..j {
-                let mut sum = T::zero();
-                for k in 0..S::CORE {
-                    sum += moved[i][k] * moved_weight[k] * moved[j][k];
-                    sum += driven[i][k] * driven_weight[k] * driven[j][k];
-                }
-                let u = sum * inverse;
-                cov[j][i] = u;
-                for k in 0..S::CORE {
-                    let (m, n) = (moved[j][k], driven[j][k]);
-                    moved[i][k] -= u * m;
-                    driven[i][k] -= u * n;
-                }
-            }
-        }
+        on_this_machine!(machine => propagate::<S, T, _>(machine, cov, rows, noise));
     }
 
     /// Scales the state's row of U, then adds its noise (Agee and Turner's rank-one update).
@@ -157,50 +366,7 @@ impl Form for Ud {
         r: &S::Measurement<T>,
         z: &S::Measurement<T>,
     ) -> Option<Whitened<T>> {
-        // a scalar at a time; each innovation variance is at least its noise, so only a negative or NaN input fails
-        let mut whitened = Whitened { nis: T::zero(), log_det: T::zero() };
-        for m in 0..S::ROWS {
-            if !is_present::<S, T>(&h[m]) {
-                continue;
-            }
-            let f = through_u::<S, T>(cov, &h[m]);
-            let mut total = r[m];
-            for j in 0..S::STATES {
-                total += cov[j][j] * f[j] * f[j];
-            }
-            if !(total > T::zero()) {
-                return None;
-            }
-            let mut residual = z[m];
-            for j in 0..S::STATES {
-                residual -= h[m][j] * x[j];
-            }
-            let mut gain = S::vector(T::zero());
-            let mut alpha = r[m];
-            for j in 0..S::STATES {
-                let d = cov[j][j];
-                let v = d * f[j];
-                let before = alpha;
-                alpha += v * f[j];
-                if alpha > T::zero() {
-                    cov[j][j] = d * before / alpha;
-                }
-                let pull = if before > T::zero() { -f[j] / before } else { T::zero() };
-                for i in 0..j {
-                    let u = cov[j][i];
-                    cov[j][i] = u + gain[i] * pull;
-                    gain[i] += u * v;
-                }
-                gain[j] = v;
-            }
-            let innovation = residual / alpha;
-            for j in 0..S::STATES {
-                x[j] += gain[j] * innovation;
-            }
-            whitened.nis += residual * innovation;
-            whitened.log_det += alpha.ln();
-        }
-        Some(whitened)
+        on_this_machine!(machine => update::<S, T, _>(machine, cov, x, h, r, z))
     }
 
     fn project<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::MeasurementRows<T>) -> S::MeasurementMatrix<T> {
