@@ -69,6 +69,14 @@ impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Smoother<F> {
         }
     }
 
+    fn widened(&mut self, variances: &CoreVector<F, f64>) {
+        if let Some(step) = self.steps.last_mut() {
+            for i in 0..F::Shape::CORE {
+                step.noise[(i, i)] += variances[i];
+            }
+        }
+    }
+
     fn updated(&mut self, update: &Updated<'_, F>) {
         // at the first sample nothing has been predicted yet
         if let Some(step) = self.steps.last_mut() {

@@ -22,7 +22,6 @@ mod paper;
 mod scenario;
 mod setup;
 mod simulate;
-mod suggest;
 
 use std::io::IsTerminal;
 use std::process::ExitCode;

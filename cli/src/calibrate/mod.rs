@@ -3,6 +3,7 @@
 mod json;
 mod run;
 mod text;
+mod watch;
 
 use std::path::PathBuf;
 use std::time::Instant;

@@ -4,11 +4,12 @@ use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Result, miette};
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::{
-    Calibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter, Smoothed, Smoother,
-    Statistics, Strapdown, Ud,
+    Calibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter, Smoothed, Statistics,
+    Strapdown, Ud,
 };
 
 use super::Form;
+use super::watch::{Stretch, Watch};
 use crate::history::History;
 use crate::log::{Bridged, Log};
 use crate::setup;
@@ -38,6 +39,8 @@ pub(super) struct Outcome {
     pub(super) position: Vector3<f64>,
     pub(super) velocity: Vector3<f64>,
     pub(super) bridged: Bridged,
+    /// What the last pass left out of the reference.
+    pub(super) refused: Vec<Stretch>,
     /// The smoothed navigation solution at each update, if it was asked for.
     pub(super) smoothed: Option<Vec<Smoothed>>,
 }
@@ -76,7 +79,7 @@ impl Run<'_> {
         let mut samples = 0_u64;
         let mut times = (0.0, 0.0);
         let mut bridged = Bridged::default();
-        let mut smoother = Smoother::<F>::default();
+        let mut watch = Watch::<F>::new(false);
 
         let bar = progress_bar(self.log.size() * u64::from(self.options.passes));
         for pass in 0..self.options.passes {
@@ -84,6 +87,7 @@ impl Run<'_> {
                 calibration.begin_pass();
                 history.clear();
             }
+            watch = Watch::new(self.options.smooth && pass + 1 == self.options.passes);
             samples = 0;
             let mut rows = self.log.samples()?;
             while let Some(row) = rows.next() {
@@ -96,12 +100,7 @@ impl Run<'_> {
                 if samples.is_multiple_of(BAR_SAMPLES) {
                     bar.set_position(self.log.size() * u64::from(pass) + rows.position());
                 }
-                let smooth = self.options.smooth && pass + 1 == self.options.passes;
-                let update = if smooth {
-                    calibration.step_observed(&sample, &mut smoother)
-                } else {
-                    calibration.step(&sample)
-                };
+                let update = calibration.step_observed(&sample, &mut watch);
                 let update = update.map_err(|error| miette!("{}: {error}", self.log.table().display()))?;
                 if update.is_some() && history.due() {
                     history.push(sample.time, |put| {
@@ -128,7 +127,8 @@ impl Run<'_> {
             position: calibration.position(),
             velocity: calibration.navigation().velocity,
             bridged,
-            smoothed: self.options.smooth.then(|| smoother.finish()),
+            refused: watch.refused,
+            smoothed: watch.smoother.map(sinscal::Smoother::finish),
         })
     }
 }
