@@ -1,14 +1,15 @@
 //! The closed-loop calibration run: navigation, sensitivities and filter over a log.
 
 use calib_core::{
-    Conventional, CoreVector, Fade, Filter, Form, Kalman, Matrix, Residuals, Shape, StateInfo, Transition,
-    Vector,
+    Array, Conventional, CoreVector, Dynamics, Fade, Filter, Form, Kalman, Matrix, Residuals, Shape,
+    StateInfo, Transition, Vector,
 };
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::compensation::Compensator;
+use crate::gate::{Gate, Verdict};
 use crate::strapdown::{Increments, NavigationState};
-use crate::{Observer, Point, Reference, Sample, Setup, Signals, Strapdown, Updated, earth};
+use crate::{Observer, Point, Reference, Refusal, Sample, Setup, Signals, Strapdown, Updated, earth};
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
 const STEP_ANGLE: f64 = 0.02;
@@ -24,6 +25,9 @@ const INITIAL_POSITION_SIGMA: f64 = 10.0;
 /// A parameter counts as estimated when the data say at least as much about it as its prior, that is when its standard
 /// deviation fell below this fraction (1/sqrt 2) of the prior's.
 const ESTIMATED: f64 = core::f64::consts::FRAC_1_SQRT_2;
+
+/// First of the three leading states that each channel group measures: velocity, position, attitude.
+const MEASURED: [usize; 3] = [3, 6, 0];
 
 /// One calibrated parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +53,7 @@ pub struct Update {
     pub nis: f64,
     /// Scalar measurements used.
     pub degrees_of_freedom: usize,
-    /// Measurement groups that the gate refused, as bits in the order of the declaration.
+    /// Measurement groups that the gate refused, as bits in the order of the dynamics' channels.
     pub rejected: u32,
 }
 
@@ -66,6 +70,10 @@ pub struct Statistics {
     pub log_likelihood: f64,
     /// Measurement groups that the gate refused.
     pub rejected: usize,
+    /// Measurement groups that repeated the reading before to the bit, where readings used to differ: no news.
+    pub repeated: usize,
+    /// Times at which a reference that had been refused for long was taken to begin anew.
+    pub reopened: usize,
 }
 
 impl Statistics {
@@ -80,14 +88,18 @@ impl Statistics {
 pub struct Diverged {
     /// Time of the sample, s.
     pub time: f64,
+    /// What was measured then: the groups whose innovations are no numbers any more, or all that were there.
+    pub channel: &'static str,
 }
 
 impl core::fmt::Display for Diverged {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(
             f,
-            "the filter diverged at {} s: its innovation covariance is no longer positive definite",
-            self.time
+            "the filter diverged at {} s, when {} was measured: its innovations are no longer finite, or their \
+             covariance no longer positive definite. The increments, the reference and the initial attitude contradict each \
+             other beyond all sigmas",
+            self.time, self.channel
         )
     }
 }
@@ -119,6 +131,7 @@ pub struct Calibration<F: Filter<Dynamics = Strapdown>, C: Form = Conventional> 
     time: Option<f64>,
     next_update: f64,
     step: Step,
+    gate: Gate,
     statistics: Statistics,
     setup: Scalars,
 }
@@ -215,6 +228,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             time: None,
             next_update: f64::NEG_INFINITY,
             step: Step::EMPTY,
+            gate: Gate::NEW,
             statistics: Statistics::default(),
             setup: scalars,
         }
@@ -247,6 +261,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         self.time = None;
         self.next_update = f64::NEG_INFINITY;
         self.step = Step::EMPTY;
+        self.gate = self.gate.again();
         self.statistics = Statistics::default();
     }
 
@@ -375,19 +390,43 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         observer: &mut impl Observer<F>,
     ) -> Result<Option<Update>, Diverged> {
         let at = self.point(self.navigation.c_bn(), self.navigation.attitude * signals.force, &signals.rate);
-        let residuals = self.residuals(&sample.reference, &at);
+        let mut residuals = self.residuals(&sample.reference, &at);
+        if residuals.is_empty() {
+            return Ok(None);
+        }
+        // half a sample of slack, so that rounding of the time stamps does not skip a reading
+        self.next_update = sample.time + 1.0 / self.setup.update_rate - 0.5 / self.setup.rate;
+        let mut repeated = self.gate.repeats(&sample.reference);
+        for group in 0..Strapdown::CHANNELS.len() {
+            match F::MEASURES.iter().position(|measured| *measured == group) {
+                Some(measured) if repeated & 1 << group != 0 => residuals.leave_out(measured),
+                Some(_) => {}
+                None => repeated &= !(1 << group),
+            }
+        }
+        self.statistics.repeated += repeated.count_ones() as usize;
+        let diverged = |channel| Diverged { time: sample.time, channel };
+        let rejected = self.judge(&at, signals, &mut residuals, observer).map_err(diverged)?;
+        for (groups, why) in [(repeated, Refusal::Repeated), (rejected, Refusal::Outlier)] {
+            for (bit, group) in Strapdown::CHANNELS.iter().enumerate() {
+                if groups & 1 << bit != 0 {
+                    observer.refused(sample.time, group.name, why);
+                }
+            }
+        }
+        self.statistics.rejected += rejected.count_ones() as usize;
         if residuals.is_empty() {
             return Ok(None);
         }
         observer.measured(sample.time, &at, signals, &residuals);
         let before = self.kalman.x().clone();
-        let diverged = |_| Diverged { time: sample.time };
+        let all = |_| diverged("the reference");
         if let Some(pilot) = &mut self.pilot {
-            pilot.update(&at, signals, residuals.clone(), None).map_err(diverged)?;
+            pilot.update(&at, signals, residuals.clone(), None).map_err(all)?;
         }
-        let found = self.kalman.update(&at, signals, residuals, None).map_err(diverged)?;
-        if !found.nis.is_finite() {
-            return Err(Diverged { time: sample.time });
+        let found = self.kalman.update(&at, signals, residuals, None).map_err(all)?;
+        if !found.nis.is_finite() || !self.kalman.x().as_slice().iter().all(|x| x.is_finite()) {
+            return Err(diverged("the reference"));
         }
         let mut change = self.kalman.x().clone();
         for i in 0..F::Shape::STATES {
@@ -395,19 +434,68 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         }
         self.feed_back(self.pilot.is_none(), observer);
         observer.updated(&Updated { time: sample.time, change: &change, navigation: &self.navigation() });
-        // half a sample of slack, so that rounding of the time stamps does not skip a reading
-        self.next_update = sample.time + 1.0 / self.setup.update_rate - 0.5 / self.setup.rate;
         self.statistics.updates += 1;
         self.statistics.degrees_of_freedom += found.degrees_of_freedom;
         self.statistics.nis += found.nis;
         self.statistics.log_likelihood += found.log_likelihood;
-        self.statistics.rejected += found.rejected.count_ones() as usize;
         Ok(Some(Update {
             time: sample.time,
             nis: found.nis,
             degrees_of_freedom: found.degrees_of_freedom,
-            rejected: found.rejected,
+            rejected,
         }))
+    }
+
+    /// Takes out of the residuals what the gate refuses, as bits of the dynamics' channel groups.
+    fn judge(
+        &mut self,
+        at: &Point<f64>,
+        signals: &Signals<f64>,
+        residuals: &mut Residuals<F, f64>,
+        observer: &mut impl Observer<F>,
+    ) -> Result<u32, &'static str> {
+        let mut rejected = 0;
+        let mut reopened = 0;
+        let mut lost = None;
+        let gate = &mut self.gate;
+        let sound = self.kalman.innovations(at, signals, residuals, |measured, nis| {
+            let group = F::MEASURES[measured];
+            if !nis.is_finite() {
+                lost = Some(Strapdown::CHANNELS[group].name);
+            }
+            match gate.judge(group, nis) {
+                Verdict::Use => {}
+                Verdict::Refuse => rejected |= 1 << group,
+                Verdict::Reopen => reopened |= 1 << group,
+            }
+        });
+        if sound.is_err() || lost.is_some() {
+            return Err(lost.unwrap_or("the reference"));
+        }
+        for (measured, group) in F::MEASURES.iter().enumerate() {
+            if rejected & 1 << group != 0 {
+                residuals.leave_out(measured);
+            }
+            if reopened & 1 << group != 0 {
+                self.statistics.reopened += 1;
+                self.open(MEASURED[*group], observer);
+            }
+        }
+        Ok(rejected)
+    }
+
+    /// Opens three leading states as wide as they were at the first sample.
+    fn open(&mut self, first: usize, observer: &mut impl Observer<F>) {
+        let mut variances = F::Shape::core_vector(0.0);
+        for i in first..first + 3 {
+            variances[i] = self.prior[i] * self.prior[i];
+        }
+        self.kalman.widen(&variances);
+        if let Some(pilot) = &mut self.pilot {
+            pilot.widen(&variances);
+        }
+        observer.widened(&variances);
+        observer.moved(&self.kalman);
     }
 
     /// Residuals `computed - reference`, by the estimates of the blocks that act on the measurement.

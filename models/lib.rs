@@ -103,6 +103,7 @@ mod compensation;
 pub mod earth;
 mod effects;
 mod filters;
+mod gate;
 pub mod navigation;
 pub mod observability;
 mod observer;
@@ -142,7 +143,7 @@ pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
     visit_filter,
 };
-pub use observer::{Observer, Updated};
+pub use observer::{Observer, Refusal, Updated};
 pub use sample::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Site};
 pub use signals::{Point, Signals};
 #[cfg(feature = "std")]

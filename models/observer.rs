@@ -30,6 +30,16 @@ pub trait Observer<F: Filter<Dynamics = Strapdown>> {
         let _ = (time, at, signals, residuals);
     }
 
+    /// A reading of a channel group was left out.
+    fn refused(&mut self, time: f64, group: &'static str, why: Refusal) {
+        let _ = (time, group, why);
+    }
+
+    /// `variances` were added to those of the leading states: a reference that had been refused for long begins anew.
+    fn widened(&mut self, variances: &CoreVector<F, f64>) {
+        let _ = variances;
+    }
+
     /// `correction` was taken out of the state vector and put into navigation solution and parameters.
     fn fed_back(&mut self, correction: &Vector<F, f64>) {
         let _ = correction;
@@ -43,6 +53,15 @@ pub trait Observer<F: Filter<Dynamics = Strapdown>> {
 
 /// Nobody watches.
 impl<F: Filter<Dynamics = Strapdown>> Observer<F> for () {}
+
+/// Why a reading was left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// Its innovation is far beyond those before it.
+    Outlier,
+    /// It repeats the reading before to the bit, where readings used to differ.
+    Repeated,
+}
 
 /// A complete update.
 pub struct Updated<'a, F: Filter> {

@@ -102,7 +102,7 @@ impl<F: Filter<Dynamics = Strapdown>, T: Tape> Observer<F> for Smoother<F, T> {
     }
 
     fn moved<K: Form>(&mut self, kalman: &Kalman<F, f64, K>) {
-        let Some((rows, q)) = self.prediction.take() else { return };
+        let Some((rows, q)) = &self.prediction else { return };
         let n = F::Shape::STATES;
         let p = kalman.covariance();
         let factor = Factor::new(n, |i, j| p[i][j]);
@@ -113,14 +113,14 @@ impl<F: Filter<Dynamics = Strapdown>, T: Tape> Observer<F> for Smoother<F, T> {
             unit[i] = 1.0;
             weights.set_row(i, &factor.solve(&unit).transpose());
         }
-        let mut gain = -(&q * &weights);
+        let mut gain = -(q * &weights);
         for i in 0..C {
             gain[(i, i)] += 1.0;
             for j in C..n {
                 gain[(i, j)] -= rows[i][j];
             }
         }
-        let noise = &q - &q * weights.columns(0, C) * &q;
+        let noise = q - q * weights.columns(0, C) * q;
         let phi = DMatrix::from_fn(C, C, |i, j| rows[i][j]).lu();
         // phi^-1 exists: it is near the identity
         let (Some(gain), Some(half)) = (phi.solve(&gain), phi.solve(&noise)) else { return };
@@ -132,6 +132,15 @@ impl<F: Filter<Dynamics = Strapdown>, T: Tape> Observer<F> for Smoother<F, T> {
         // no solution yet
         self.record[length(n) - SOLUTION] = f64::NAN;
         self.pending = true;
+    }
+
+    fn widened(&mut self, variances: &CoreVector<F, f64>) {
+        // `moved` is told again, of the wider covariance
+        if let Some((_, q)) = &mut self.prediction {
+            for i in 0..C {
+                q[(i, i)] += variances[i];
+            }
+        }
     }
 
     fn updated(&mut self, update: &Updated<'_, F>) {

@@ -63,11 +63,13 @@ impl<F: Filter, T: Real> Residuals<F, T> {
         self.present[row] != T::zero()
     }
 
-    /// Takes one row out again.
-    fn drop_row(&mut self, row: usize) {
-        self.z[row] = T::zero();
-        self.r[row] = T::one();
-        self.present[row] = T::zero();
+    /// Takes out a group, by its place in [`Filter::MEASURES`]: it is no measurement at this instant.
+    pub fn leave_out(&mut self, group: usize) {
+        for row in group_rows::<F>(group) {
+            self.z[row] = T::zero();
+            self.r[row] = T::one();
+            self.present[row] = T::zero();
+        }
     }
 
     fn count(&self) -> usize {
@@ -181,6 +183,17 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
         }
     }
 
+    /// Adds variances to those of the leading states: something has changed there that no model foretells.
+    pub fn widen(&mut self, variances: &CoreVector<F, T>) {
+        let mut rows = F::Shape::core_rows(T::zero());
+        let mut noise = F::Shape::core_matrix(T::zero());
+        for i in 0..F::Shape::CORE {
+            rows[i][i] = T::one();
+            noise[i][i] = variances[i];
+        }
+        C::propagate::<F::Shape, T>(&mut self.cov, &rows, &noise);
+    }
+
     /// Measurement update. With a `gate`, a group whose own normalised innovation squared per component
     /// exceeds it is left out.
     ///
@@ -215,6 +228,44 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
         })
     }
 
+    /// Visits the measured groups by their place in [`Filter::MEASURES`], each with its own normalised innovation squared per
+    /// component: what a gate judges.
+    ///
+    /// # Errors
+    /// When the innovation covariance is not positive definite.
+    pub fn innovations(
+        &self,
+        at: &<F::Dynamics as Dynamics>::Point<T>,
+        signals: &<F::Dynamics as Dynamics>::Signals<T>,
+        residuals: &Residuals<F, T>,
+        visit: impl FnMut(usize, T),
+    ) -> Result<(), NotPositiveDefinite> {
+        let mut h = measurement_rows::<F, T>(at, signals);
+        for m in 0..F::Shape::ROWS {
+            if residuals.present[m] == T::zero() {
+                h[m] = F::Shape::vector(T::zero());
+            }
+        }
+        self.groups(&h, residuals, visit)
+    }
+
+    fn groups(
+        &self,
+        h: &MeasurementRows<F, T>,
+        residuals: &Residuals<F, T>,
+        mut visit: impl FnMut(usize, T),
+    ) -> Result<(), NotPositiveDefinite> {
+        let s = C::project::<F::Shape, T>(&self.cov, h);
+        for group in 0..F::MEASURES.len() {
+            let rows = group_rows::<F>(group);
+            if rows.clone().any(|row| residuals.is_present(row)) {
+                let count = T::of(rows.len() as f64);
+                visit(group, self.group_nis(&s, h, residuals, rows)? / count);
+            }
+        }
+        Ok(())
+    }
+
     /// Takes out the groups that the gate refuses.
     fn reject(
         &self,
@@ -222,20 +273,17 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
         residuals: &mut Residuals<F, T>,
         limit: T,
     ) -> Result<u32, NotPositiveDefinite> {
-        let s = C::project::<F::Shape, T>(&self.cov, h);
         let mut rejected = 0;
-        let mut first = 0;
-        for (bit, group) in F::MEASURES.iter().enumerate() {
-            let len = <F::Dynamics as Dynamics>::CHANNELS[*group].components.len();
-            let nis = self.group_nis(&s, h, residuals, first..first + len)?;
-            if nis > limit * T::of(len as f64) {
-                rejected |= 1 << bit;
-                for row in first..first + len {
-                    residuals.drop_row(row);
-                    h[row] = F::Shape::vector(T::zero());
-                }
+        self.groups(h, residuals, |group, nis| {
+            if nis > limit {
+                rejected |= 1 << group;
             }
-            first += len;
+        })?;
+        for group in (0..F::MEASURES.len()).filter(|group| rejected & 1 << group != 0) {
+            residuals.leave_out(group);
+            for row in group_rows::<F>(group) {
+                h[row] = F::Shape::vector(T::zero());
+            }
         }
         Ok(rejected)
     }
@@ -275,6 +323,13 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
         }
         Ok(nis)
     }
+}
+
+/// Rows of a group of [`Filter::MEASURES`].
+fn group_rows<F: Filter>(group: usize) -> core::ops::Range<usize> {
+    let len = |group: &usize| <F::Dynamics as Dynamics>::CHANNELS[*group].components.len();
+    let first = F::MEASURES[..group].iter().map(len).sum();
+    first..first + len(&F::MEASURES[group])
 }
 
 /// The measurement matrix of a declared filter, one row per measured channel: the leading states' part, the direct

@@ -23,7 +23,6 @@ mod scenario;
 mod self_test;
 mod setup;
 mod simulate;
-mod suggest;
 
 use std::io::IsTerminal;
 use std::process::ExitCode;

@@ -7,6 +7,21 @@ use std::path::{Path, PathBuf};
 use miette::{Result, miette};
 use tempfile::NamedTempFile;
 
+/// How the name of a file that is not whole yet begins and ends.
+const PART: (&str, &str) = (".sinscal-", ".part");
+
+/// Takes away what programs that were killed left in a folder that nobody else writes to.
+pub(crate) fn sweep(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let left = name.to_str().is_some_and(|name| name.starts_with(PART.0) && name.ends_with(PART.1));
+        if left {
+            // what cannot be removed does no harm
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
 /// Writes a remark for people. A closed standard error is nobody's loss.
 pub(crate) fn remark(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
@@ -81,29 +96,56 @@ impl Files {
             return fill(&mut stream).and_then(|()| stream.flush()).map_err(|error| failed(path, &error));
         }
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".sinscal-").suffix(".part");
+        builder.prefix(PART.0).suffix(PART.1);
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
             // What a file gets that is simply created: the umask still applies.
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
-        let file = builder.tempfile_in(folder_of(path)).map_err(|error| failed(path, &error))?;
-        let mut buffered = io::BufWriter::new(file);
-        fill(&mut buffered).map_err(|error| failed(path, &error))?;
-        let file = buffered.into_inner().map_err(|error| failed(path, error.error()))?;
+        let mut file = builder.tempfile_in(folder_of(path)).map_err(|error| failed(path, &error))?;
+        let mut buffered = io::BufWriter::new(file.as_file_mut());
+        fill(&mut buffered).and_then(|()| buffered.flush()).map_err(|error| failed(path, &error))?;
+        drop(buffered);
         file.as_file().sync_all().map_err(|error| failed(path, &error))?;
         self.written.push((file, path.to_owned()));
         Ok(())
     }
 
-    /// Moves all files to their places.
+    /// Moves all files to their places. Two programs that write to one folder do so one after the other.
     pub(crate) fn commit(mut self) -> Result<()> {
+        let _locks = self.lock();
         for (file, path) in self.written.drain(..) {
             file.persist(&path).map_err(|error| failed(&path, &error.error))?;
         }
         self.done = true;
         Ok(())
+    }
+
+    /// Moves files to their places where there are none yet; what another program put there stays.
+    pub(crate) fn commit_new(mut self) -> Result<()> {
+        let _locks = self.lock();
+        for (file, path) in self.written.drain(..) {
+            match file.persist_noclobber(&path) {
+                Err(error) if error.error.kind() != io::ErrorKind::AlreadyExists => {
+                    return Err(failed(&path, &error.error));
+                }
+                _ => {}
+            }
+        }
+        self.done = true;
+        Ok(())
+    }
+
+    /// Locks the folders of the files until the locks are dropped, or the program is killed. Where the system cannot lock a
+    /// folder, each file is still whole.
+    fn lock(&self) -> Vec<File> {
+        let mut folders: Vec<&Path> = self.written.iter().map(|(_, path)| folder_of(path)).collect();
+        // always in the same order, so that two programs never wait for each other
+        folders.sort_unstable();
+        folders.dedup();
+        let locked = |folder| File::open(folder).and_then(|folder| folder.lock().map(|()| folder)).ok();
+        folders.into_iter().filter_map(locked).collect()
     }
 }
 
@@ -179,7 +221,9 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 fn failed(path: &Path, error: &io::Error) -> miette::Report {
-    miette!("{}: cannot be written: {error}", path.display())
+    // What stands around the system's own error names the temporary file.
+    let cause = error.get_ref().and_then(|inner| inner.source()).map(ToString::to_string);
+    miette!("{}: cannot be written: {}", path.display(), cause.unwrap_or_else(|| error.to_string()))
 }
 
 #[cfg(test)]

@@ -1,19 +1,27 @@
 //! Scenario files.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, Report, Result, SourceCode, miette};
 use rig::{Fault, Scenario};
 
+/// Scenarios are small; what is larger is some other file.
+const LARGEST: u64 = 1 << 20;
+
 /// The scenario in a file, or the default one.
 pub(crate) fn load(path: Option<&Path>) -> Result<Scenario> {
     let Some(path) = path else { return Ok(Scenario::default()) };
-    let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::InvalidData => {
-            miette!("{}: is not text, a TOML scenario was expected", path.display())
-        }
-        _ => miette!("{}: cannot be read: {error}", path.display()),
-    })?;
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
+        .map_err(|error| miette!("{}: cannot be read: {error}", path.display()))?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(miette!("{}: is larger than 1 MiB: this is not a scenario", path.display()));
+    }
+    let text = String::from_utf8(bytes)
+        .map_err(|_| miette!("{}: is not text, a TOML scenario in UTF-8 was expected", path.display()))?;
     Scenario::parse(&text).map_err(|error| refused(Some((path, &text)), error.faults))
 }
 

@@ -57,8 +57,8 @@ pub(crate) fn coarse(log: &mut Log) -> Result<()> {
 
 /// The filter called `name`, without regard to case.
 pub(crate) fn filter(name: &str) -> Result<&'static FilterInfo> {
-    FILTERS
-        .iter()
-        .find(|filter| filter.name.eq_ignore_ascii_case(name))
-        .ok_or_else(|| miette!("there is no filter called {name}"))
+    FILTERS.iter().find(|filter| filter.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
+        let help = rig::suggest::hint(name, FILTERS.iter().map(|filter| filter.name));
+        miette!(help = help, "there is no filter called {name}")
+    })
 }

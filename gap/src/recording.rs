@@ -246,6 +246,12 @@ impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Recorder<F> {
         self.open.append(&rows, &part(0..3), &part(3..6), transition.elapsed());
     }
 
+    fn widened(&mut self, variances: &CoreVector<F, f64>) {
+        for i in 0..CORE {
+            self.open.accel_noise[i * CORE + i] += variances[i];
+        }
+    }
+
     fn measured(
         &mut self,
         time: f64,

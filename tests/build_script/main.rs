@@ -3,6 +3,7 @@
 #[path = "../../build/expr.rs"]
 mod expr;
 mod expressions;
+mod fuzz;
 #[allow(dead_code, reason = "only the emitter reads all of a table")]
 #[path = "../../build/ir.rs"]
 mod ir;

@@ -8,6 +8,7 @@ use serde::Serialize;
 use sinscal::{CoarseCalibration, FilterInfo, Smoothed};
 
 use super::run::{Options, Outcome};
+use super::watch::Stretch;
 use crate::log::Log;
 
 /// `calibrate --json`.
@@ -25,6 +26,10 @@ pub(super) struct Report {
     form: &'static str,
     updates: usize,
     rejected: usize,
+    repeated: usize,
+    reopened: usize,
+    /// Readings of the reference that were left out.
+    refused: Vec<Stretch>,
     log_likelihood: f64,
     bridged_rows: u64,
     log: String,
@@ -140,6 +145,9 @@ impl Report {
             form: options.form.name(),
             updates: outcome.statistics.updates,
             rejected: outcome.statistics.rejected,
+            repeated: outcome.statistics.repeated,
+            reopened: outcome.statistics.reopened,
+            refused: outcome.refused.clone(),
             log_likelihood: outcome.statistics.log_likelihood,
             bridged_rows: outcome.bridged.rows,
             log: log.table().display().to_string(),

@@ -4,6 +4,7 @@ mod json;
 mod run;
 mod tape;
 mod text;
+mod watch;
 
 use std::path::PathBuf;
 use std::time::Instant;

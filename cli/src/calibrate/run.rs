@@ -5,11 +5,12 @@ use miette::{Result, miette};
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::{
     Calibration, CoarseCalibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter,
-    Smoothed, Smoother, StateInfo, Statistics, Strapdown, Ud,
+    Smoothed, StateInfo, Statistics, Strapdown, Ud,
 };
 
 use super::Form;
 use super::tape::FileTape;
+use super::watch::{Stretch, Watch};
 use crate::history::History;
 use crate::log::{Bridged, Log};
 use crate::setup;
@@ -39,6 +40,8 @@ pub(super) struct Outcome {
     pub(super) position: Vector3<f64>,
     pub(super) velocity: Vector3<f64>,
     pub(super) bridged: Bridged,
+    /// What the last pass left out of the reference.
+    pub(super) refused: Vec<Stretch>,
     /// The smoothed navigation solution at each update, if it was asked for.
     pub(super) smoothed: Option<Vec<Smoothed>>,
 }
@@ -78,9 +81,8 @@ impl Run<'_> {
         let mut samples = 0_u64;
         let mut times = (0.0, 0.0);
         let mut bridged = Bridged::default();
-        // the tape stays empty where nothing is smoothed
         let trouble = |error| miette!("the temporary file of the smoother: {error}");
-        let mut smoother = Smoother::<F, FileTape>::new(FileTape::new().map_err(trouble)?);
+        let mut watch = Watch::<F>::new(None);
 
         let bar = progress_bar(self.log.size() * u64::from(self.options.passes));
         for pass in 0..self.options.passes {
@@ -88,6 +90,8 @@ impl Run<'_> {
                 calibration.begin_pass();
                 history.clear();
             }
+            let smooth = self.options.smooth && pass + 1 == self.options.passes;
+            watch = Watch::new(smooth.then(FileTape::new).transpose().map_err(trouble)?);
             samples = 0;
             let mut rows = self.log.samples()?;
             while let Some(row) = rows.next() {
@@ -100,12 +104,7 @@ impl Run<'_> {
                 if samples.is_multiple_of(BAR_SAMPLES) {
                     bar.set_position(self.log.size() * u64::from(pass) + rows.position());
                 }
-                let smooth = self.options.smooth && pass + 1 == self.options.passes;
-                let update = if smooth {
-                    calibration.step_observed(&sample, &mut smoother)
-                } else {
-                    calibration.step(&sample)
-                };
+                let update = calibration.step_observed(&sample, &mut watch);
                 let update = update.map_err(|error| miette!("{}: {error}", self.log.table().display()))?;
                 if update.is_some() && history.due() {
                     history.push(sample.time, |put| {
@@ -121,10 +120,8 @@ impl Run<'_> {
         history.push(times.1, |put| {
             parameters.iter().for_each(|parameter| put(parameter.value, parameter.sigma));
         });
-        let smoothed = match self.options.smooth {
-            true => Some(smoother.finish(&calibration.covariance()).map_err(trouble)?),
-            false => None,
-        };
+        let Watch { smoother, refused } = watch;
+        let smoothed = smoother.map(|s| s.finish(&calibration.covariance())).transpose().map_err(trouble)?;
         Ok(Outcome {
             samples: samples - bridged.rows,
             duration: times.1 - times.0,
@@ -136,6 +133,7 @@ impl Run<'_> {
             position: calibration.position(),
             velocity: calibration.navigation().velocity,
             bridged,
+            refused,
             smoothed,
         })
     }

@@ -10,6 +10,8 @@ use super::run::Outcome;
 use crate::figures::{decimals, significant};
 use crate::log::Log;
 
+/// So many stretches of refused readings are listed.
+const DESCRIBED: usize = 20;
 /// NIS per degree of freedom of a filter whose model and noise agree with the data: 1, give or take what a few per cent
 /// of unmodelled noise make of it.
 const FITS: (f64, f64) = (0.8, 1.2);
@@ -35,7 +37,10 @@ pub(super) fn verdict(filter: &str, outcome: &Outcome) -> String {
         statistics.updates
     );
     if statistics.rejected > 0 {
-        let _ = write!(text, ", {} outliers rejected", statistics.rejected);
+        let _ = write!(text, ", {} outliers of the reference left out", statistics.rejected);
+    }
+    if statistics.repeated > 0 {
+        let _ = write!(text, ", {} readings that only repeat the one before", statistics.repeated);
     }
     text
 }
@@ -73,6 +78,7 @@ pub(super) fn table(log: &Log, filter: &str, outcome: &Outcome, wall: Duration) 
             info.sheet_unit
         );
     }
+    refusals(&mut text, outcome);
     let attitude = outcome.attitude.quaternion();
     let (position, velocity) = (&outcome.position, &outcome.velocity);
     let _ = writeln!(
@@ -105,6 +111,32 @@ fn coarse_stage(text: &mut String, coarse: &CoarseCalibration) {
         }
     }
     text.push('\n');
+}
+
+/// When readings of the reference were left out.
+fn refusals(text: &mut String, outcome: &Outcome) {
+    if outcome.refused.is_empty() {
+        return;
+    }
+    let _ = writeln!(text, "\nleft out of the reference:");
+    for stretch in outcome.refused.iter().take(DESCRIBED) {
+        let what = if stretch.why == "repeated" { "that repeat the one before" } else { "far off" };
+        let _ = writeln!(
+            text,
+            "{:30} {:>6} readings {what}, from {:.2} s to {:.2} s",
+            stretch.channel, stretch.readings, stretch.first_s, stretch.last_s
+        );
+    }
+    if outcome.refused.len() > DESCRIBED {
+        let _ = writeln!(text, "and {} more stretches: --json lists all", outcome.refused.len() - DESCRIBED);
+    }
+    if outcome.statistics.reopened > 0 {
+        let _ = writeln!(
+            text,
+            "{} times a reference that stayed far off was taken to begin anew",
+            outcome.statistics.reopened
+        );
+    }
 }
 
 /// Estimate and sigma in data-sheet units, to two figures of the sigma.

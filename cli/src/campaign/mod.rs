@@ -133,7 +133,9 @@ impl Arguments {
         let (i, n) = self.shard.unwrap_or((1, 1));
         let units: Vec<u64> =
             (0..self.units.unwrap_or(0)).filter(|k| k % n == i - 1).map(|k| self.seed + k).collect();
-        let store = self.out.as_deref().map(|out| Store::create(out, &Identity::of(&plan))).transpose()?;
+        let identity = Identity::of(&plan);
+        let store =
+            self.out.as_deref().map(|out| Store::create(out, &identity, self.shard.is_some())).transpose()?;
         let results = put_through(&plan, &units, store.as_ref())?;
         if self.shard.is_some() {
             return output::print(&format!(

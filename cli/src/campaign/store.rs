@@ -1,13 +1,13 @@
 //! A campaign's folder: one file per finished unit, written whole or not at all, and the plan they all belong to.
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, Result, miette};
 use serde::{Deserialize, Serialize};
 use study::{Plan, UnitResult};
 
-use crate::output::Files;
+use crate::output::{self, Files};
 
 /// What must be the same for results to belong together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,35 +52,52 @@ impl Identity {
 /// The folder.
 pub(super) struct Store {
     folder: PathBuf,
+    /// Keeps others out as long as the program lives; the system takes it from a program that is killed.
+    lock: Option<File>,
 }
 
 impl Store {
-    /// Opens a folder for results of `plan`, made where missing.
-    pub(super) fn create(folder: &Path, identity: &Identity) -> Result<Self> {
-        let store = Self { folder: folder.to_owned() };
+    /// Opens a folder for results of `plan`, made where missing. Several shards may work in it at once, but not two
+    /// whole campaigns.
+    pub(super) fn create(folder: &Path, identity: &Identity, shard: bool) -> Result<Self> {
+        let mut store = Self { folder: folder.to_owned(), lock: None };
         let path = store.plan_path();
-        if path.exists() {
-            let found = store.identity()?;
-            if let Some(field) = identity.difference(&found) {
-                return Err(miette!(
-                    help = "name another folder with --out, or delete this one",
-                    "{}, field `{field}`: the units in this folder were put through another campaign",
-                    path.display()
-                ));
-            }
-            return Ok(store);
+        if !path.exists() {
+            let text = serde_json::to_string_pretty(identity).into_diagnostic()? + "\n";
+            let mut files = Files::default();
+            files.folder(&store.units())?;
+            files.write(&path, |file| file.write_all(text.as_bytes()))?;
+            files.commit_new()?;
         }
-        let text = serde_json::to_string_pretty(identity).into_diagnostic()? + "\n";
-        let mut files = Files::default();
-        files.folder(&store.units())?;
-        files.write(&path, |file| file.write_all(text.as_bytes()))?;
-        files.commit()?;
+        let found = store.identity()?;
+        if let Some(field) = identity.difference(&found) {
+            return Err(miette!(
+                help = "name another folder with --out, or delete this one",
+                "{}, field `{field}`: the units in this folder were put through another campaign",
+                path.display()
+            ));
+        }
+        let plan =
+            File::open(&path).map_err(|error| miette!("{}: cannot be read: {error}", path.display()))?;
+        let locked = if shard { plan.try_lock_shared() } else { plan.try_lock() };
+        if let Err(TryLockError::WouldBlock) = locked {
+            return Err(miette!(
+                help = "let it end, name another folder with --out, or share the units out with --shard",
+                "{}: another campaign is at work in this folder",
+                folder.display()
+            ));
+        }
+        store.lock = Some(plan);
+        if !shard {
+            output::sweep(&store.folder);
+            output::sweep(&store.units());
+        }
         Ok(store)
     }
 
     /// Opens a folder that holds results.
     pub(super) fn open(folder: &Path) -> Self {
-        Self { folder: folder.to_owned() }
+        Self { folder: folder.to_owned(), lock: None }
     }
 
     /// What the results in the folder belong to.

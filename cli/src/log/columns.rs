@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::fault::LogError;
-use crate::suggest;
+use rig::suggest;
 
 /// Every column of the format; a slot is an index into this list.
 pub(super) const NAMES: [&str; 32] = [
@@ -95,10 +95,22 @@ pub(super) struct Layout {
 impl Layout {
     /// Finds the columns in a file's header; every fault is reported at once.
     pub(super) fn new(path: &Path, header: &[impl AsRef<str>]) -> Result<Self, LogError> {
+        if header.iter().all(|name| !NAMES.contains(&name.as_ref().to_ascii_lowercase().as_str())) {
+            let first: String = header.first().map_or("", AsRef::as_ref).chars().take(64).collect();
+            let problem = format!("none of its columns is one of the log format; the first is `{first}`");
+            let help =
+                format!("the names of the columns come first of all; valid names: {}", NAMES.join(", "));
+            return Err(LogError::file(path, problem).help(help));
+        }
         let mut faults = Vec::new();
         let mut positions = [None; NAMES.len()];
         for (index, name) in header.iter().map(AsRef::as_ref).enumerate() {
             match NAMES.iter().position(|known| *known == name) {
+                None if name.is_empty() => {
+                    let problem = format!("{}: column {} has no name", path.display(), index + 1);
+                    let help = "a column of row numbers, or a comma at the end of the lines? Leave it out";
+                    faults.push(LogError::message(problem).help(help));
+                }
                 None => {
                     let shown: String = name.chars().take(64).collect();
                     let hint = suggest::hint(name, NAMES);

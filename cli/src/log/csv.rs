@@ -34,12 +34,16 @@ impl CsvSource {
         if lines.line.starts_with(b"PAR1") {
             return Err(LogError::file(path, "is a Parquet file, its ending says CSV"));
         }
+        if lines.line.starts_with(b"\xff\xfe") || lines.line.starts_with(b"\xfe\xff") {
+            return Err(LogError::file(path, "is UTF-16 text").help("save it as UTF-8"));
+        }
         let header = lines.line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&lines.line);
         let Some(header) = std::str::from_utf8(header).ok().filter(|text| !text.contains('\0')) else {
             return Err(LogError::file(path, "is not text: a CSV table with a header line was expected"));
         };
-        if !header.contains(',') && (header.contains(';') || header.contains('\t')) {
-            return Err(LogError::file(path, "line 1: fields must be separated by commas"));
+        if !header.contains(',') && header.contains([';', '\t', ' ']) && header.contains("time_s") {
+            let help = "write commas between fields and points in numbers";
+            return Err(LogError::file(path, "line 1: fields must be separated by commas").help(help));
         }
         let names: Vec<&str> = header.split(',').map(unquoted).collect();
         if names.iter().all(|name| name.parse::<f64>().is_ok()) {
@@ -61,8 +65,12 @@ impl CsvSource {
         let fields = text.split(',').count();
         if fields != self.slots.len() {
             let problem = format!("has {fields} fields, the header has {}", self.slots.len());
-            return Err(LogError::row(&self.path, self.row, None, problem)
-                .help("the file may be cut off in this row"));
+            let help = if fields < self.slots.len() {
+                "the file may be cut off in this row"
+            } else {
+                "a comma too many? Numbers are written with a point"
+            };
+            return Err(LogError::row(&self.path, self.row, None, problem).help(help));
         }
         for (field, &slot) in text.split(',').zip(&self.slots) {
             let field = unquoted(field);
@@ -83,7 +91,17 @@ impl CsvSource {
             "" => "is empty, a number was expected".to_owned(),
             text => format!("`{}` is not a number", text.chars().take(40).collect::<String>()),
         };
+        let help = if self.row == 1 && slot == 0 && field.starts_with(|c: char| c.is_ascii_alphabetic()) {
+            Some(
+                "the rows of numbers begin in the line after the names of the columns: no line of units between",
+            )
+        } else if may_be_empty(slot) {
+            Some("leave the field empty, or write NaN, where there is no reading")
+        } else {
+            None
+        };
         LogError::row(&self.path, self.row, NAMES.get(slot).copied(), problem)
+            .help_if(help.map(str::to_owned))
     }
 }
 

@@ -20,19 +20,25 @@ use std::path::Path;
 use std::sync::Arc;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use sinscal::{InitialAttitude, ReferenceSigma, SensorNoise, Site};
+use rig::{suggest, units};
+use sinscal::{EffectInfo, InitialAttitude, ReferenceSigma, SensorNoise, Site};
 use toml::de::{DeTable, DeValue};
 
 use super::fault::LogError;
 use super::fields::{self, Document, Must, Section};
-use super::units::{self, sheet};
-use crate::suggest;
 
 /// Descriptions are small; what is larger is some other file.
 const LARGEST: u64 = 1 << 20;
 
 /// Sensors lie within this many degC, and so do their reference temperatures.
 pub(super) const TEMPERATURES: (f64, f64) = (-80.0, 150.0);
+
+/// Sigmas of a reading that a filter can compute with, and beyond which nothing is measured: m/s, m, deg.
+const SIGMAS: [(f64, f64); 3] = [(1e-9, 1e3), (1e-9, 1e6), (1e-9, 180.0)];
+/// Random walks, from far below any sensor to far above: deg/sqrt(h), ug/sqrt(Hz).
+const WALKS: [(f64, f64); 2] = [(1e-9, 1e4), (1e-6, 1e7)];
+/// Priors in SI units that a filter can compute with.
+const PRIORS: (f64, f64) = (1e-15, 1e6);
 
 const IMU: &[&str] = &["rate_hz", "gyro_rad_per_pulse", "accel_m_s_per_pulse"];
 const SITE: &[&str] = &["latitude_deg", "longitude_deg", "height_m"];
@@ -85,6 +91,7 @@ impl Description {
                 .filter(|b| **b == b'\n')
                 .count();
             LogError::file(path, format!("line {line} is not UTF-8 text: this is not a TOML description"))
+                .help("save it as UTF-8")
         })?;
         Self::parse(path, text.into())
     }
@@ -126,20 +133,24 @@ impl Description {
         let initial = doc.section(root, "initial", Some(INITIAL)).map(|section| read_initial(doc, section));
 
         let section = doc.section(root, "reference", Some(REFERENCE));
-        let mut sigma = |key| doc.optional(section?, key, Must::BePositive);
-        let given = [sigma("velocity_sigma_m_s"), sigma("position_sigma_m"), sigma("attitude_sigma_deg")];
+        let mut sigma = |i: usize| {
+            let (least, most) = SIGMAS[i];
+            doc.optional(section?, REFERENCE[i], Must::LieWithin(least, most))
+        };
+        let given = [sigma(0), sigma(1), sigma(2)];
         let reference = ReferenceSigma {
             velocity: given[0].unwrap_or(0.001),
             position: given[1].unwrap_or(0.002),
-            attitude: given[2].unwrap_or(0.01) * sheet::DEGREE,
+            attitude: given[2].unwrap_or(0.01) * units::DEGREE,
         };
 
         let noise = doc.section(root, "noise", Some(NOISE)).map(|section| {
-            let walk = "a figure of the data sheet; it belongs to [noise]";
-            (
-                doc.required(section, "gyro_arw_deg_sqrt_h", Must::BePositive, walk),
-                doc.required(section, "accel_vrw_ug_sqrt_hz", Must::BePositive, walk),
-            )
+            let mut walk = |i: usize| {
+                let (least, most) = WALKS[i];
+                let help = "a figure of the data sheet; it belongs to [noise]";
+                doc.required(section, NOISE[i], Must::LieWithin(least, most), help)
+            };
+            (walk(0), walk(1))
         });
         let noise_given = noise.is_some();
         let (angle, velocity) = noise.unwrap_or((Some(0.001), Some(5.0)));
@@ -185,8 +196,8 @@ impl Description {
             reference,
             reference_given: given.map(|sigma| sigma.is_some()),
             noise: SensorNoise {
-                angle_random_walk: angle.ok_or_else(incomplete)? * sheet::DEG_PER_SQRT_HOUR,
-                velocity_random_walk: velocity.ok_or_else(incomplete)? * sheet::MICRO_G,
+                angle_random_walk: angle.ok_or_else(incomplete)? * units::DEG_PER_SQRT_HOUR,
+                velocity_random_walk: velocity.ok_or_else(incomplete)? * units::MICRO_G,
             },
             noise_given,
             reference_temperature: reference_temperature.ok_or_else(incomplete)?,
@@ -210,7 +221,7 @@ fn read_site(doc: &mut Document<'_>, root: &DeTable<'_>) -> Option<Site> {
         doc.required(section, "longitude_deg", Must::LieWithin(-180.0, 360.0), "east is positive");
     let height =
         doc.required(section, "height_m", Must::LieWithin(-1000.0, 20_000.0), "height over the ellipsoid");
-    Some(Site { latitude: latitude? * sheet::DEGREE, longitude: longitude? * sheet::DEGREE, height: height? })
+    Some(Site { latitude: latitude? * units::DEGREE, longitude: longitude? * units::DEGREE, height: height? })
 }
 
 fn read_initial(doc: &mut Document<'_>, section: Section<'_>) -> Option<InitialAttitude> {
@@ -227,7 +238,7 @@ fn read_initial(doc: &mut Document<'_>, section: Section<'_>) -> Option<InitialA
         return None;
     };
     // Any finite number here: what counts is the norm.
-    let [w, x, y, z] = doc.list::<4>(section, "quaternion_wxyz", Must::LieWithin(-1e6, 1e6))?;
+    let [w, x, y, z] = doc.list::<4>(section, "quaternion_wxyz", Must::BeFinite)?;
     let quaternion = Quaternion::new(w, x, y, z);
     let norm = quaternion.norm();
     if (norm - 1.0).abs() > super::rows::UNIT_TOLERANCE {
@@ -237,8 +248,8 @@ fn read_initial(doc: &mut Document<'_>, section: Section<'_>) -> Option<InitialA
     }
     Some(InitialAttitude {
         attitude: UnitQuaternion::from_quaternion(quaternion),
-        level_sigma: level? * sheet::DEGREE,
-        heading_sigma: heading? * sheet::DEGREE,
+        level_sigma: level? * units::DEGREE,
+        heading_sigma: heading? * units::DEGREE,
     })
 }
 
@@ -247,80 +258,60 @@ fn read_priors(doc: &mut Document<'_>, section: Section<'_>) -> Vec<(&'static st
     for (key, value) in section.table() {
         let name = key.get_ref().as_ref();
         let field = section.field(name);
-        let Some((effect, si)) = units::effect_units(name) else {
-            doc.refuse(
-                key.span(),
-                &field,
-                "is not an effect",
-                Some(suggest::hint(name, units::effect_names())),
-            );
+        let Some(effect) = sinscal::effect(name) else {
+            let hint = suggest::hint(name, sinscal::EFFECTS.iter().map(EffectInfo::name));
+            doc.refuse(key.span(), &field, "is not an effect", Some(hint));
             continue;
         };
-        if si.is_empty() {
-            doc.refuse(key.span(), &field, "has no parameters of its own, so no prior", None);
-            continue;
-        }
-        let accepted = units::accepted(si);
-        let names = || accepted.iter().map(|(unit, _)| *unit).collect::<Vec<_>>().join(", ");
+        let accepted = units::of_parameters(effect.unit());
         let DeValue::Table(table) = value.get_ref() else {
-            let example = format!("write \"{name}\" = {{ sigma = 1.0, unit = \"{si}\" }}");
+            let example = format!("write \"{name}\" = {{ sigma = 1.0, unit = \"{}\" }}", effect.unit());
             doc.refuse(value.span(), &field, "must give a sigma and its unit", Some(example));
             continue;
         };
         doc.only(table, &field, &["sigma", "unit"]);
+        let (sigma_field, unit_field) = (format!("{field}.sigma"), format!("{field}.unit"));
+        let names =
+            || format!("accepted: {}", accepted.iter().map(|(unit, _)| *unit).collect::<Vec<_>>().join(", "));
         let sigma = match table.get("sigma") {
-            Some(sigma) => doc.number(sigma, &format!("{field}.sigma"), Must::BePositive),
+            Some(sigma) => doc.number(sigma, &sigma_field, Must::BePositive),
             None => {
-                doc.refuse(
-                    key.span(),
-                    &format!("{field}.sigma"),
-                    "is missing",
-                    Some("one standard deviation".into()),
-                );
+                doc.refuse(key.span(), &sigma_field, "is missing", Some("one standard deviation".into()));
                 None
             }
         };
         let scale = match table.get("unit").map(|unit| (unit.span(), unit.get_ref())) {
-            Some((span, DeValue::String(unit))) => {
-                let scale = units::scale(accepted, unit);
-                if scale.is_none() {
-                    let problem = format!("`{unit}` is not a unit of this effect");
+            Some((span, DeValue::String(unit))) => match units::scale(accepted, unit) {
+                Ok(scale) => Some(scale),
+                Err(help) => {
                     doc.refuse(
                         span,
-                        &format!("{field}.unit"),
-                        &problem,
-                        Some(format!("accepted: {}", names())),
+                        &unit_field,
+                        &format!("`{unit}` is not a unit of this effect"),
+                        Some(help),
                     );
+                    None
                 }
-                scale
-            }
+            },
             Some((span, other)) => {
                 let problem = format!("is {}, the name of a unit was expected", fields::kind(other));
-                doc.refuse(span, &format!("{field}.unit"), &problem, Some(format!("accepted: {}", names())));
+                doc.refuse(span, &unit_field, &problem, Some(names()));
                 None
             }
             None => {
-                doc.refuse(
-                    key.span(),
-                    &format!("{field}.unit"),
-                    "is missing",
-                    Some(format!("accepted: {}", names())),
-                );
+                doc.refuse(key.span(), &unit_field, "is missing", Some(names()));
                 None
             }
         };
         if let (Some(sigma), Some(scale)) = (sigma, scale) {
             let si_sigma = sigma * scale;
-            // The filter squares it.
-            if (si_sigma * si_sigma).is_normal() {
-                priors.push((effect, si_sigma));
+            if (PRIORS.0..=PRIORS.1).contains(&si_sigma) {
+                priors.push((effect.name(), si_sigma));
             } else {
-                doc.refuse(
-                    key.span(),
-                    &field,
-                    &format!("is {si_sigma:e} {si}: no filter can compute with this"),
-                    None,
-                );
+                let unit = effect.unit();
+                let problem = format!("is {si_sigma:e} {unit}: no filter can compute with this");
+                let help = format!("a sigma from {:e} to {:e} {unit} was expected", PRIORS.0, PRIORS.1);
+                doc.refuse(key.span(), &field, &problem, Some(help));
             }
         }
     }

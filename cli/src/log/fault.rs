@@ -8,6 +8,9 @@ use std::sync::Arc;
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use thiserror::Error;
 
+/// Texts with longer lines are not shown around a fault.
+const LONGEST_QUOTED: usize = 500;
+
 /// Why a log cannot be used. The message stands on its own; a terminal also shows the faulty text.
 #[derive(Debug, Error, Diagnostic)]
 #[error(transparent)]
@@ -26,11 +29,25 @@ struct Fault {
     span: Option<SourceSpan>,
     #[related]
     others: Vec<LogError>,
+    /// Row and column of a faulty cell.
+    cell: Option<(u64, String)>,
 }
 
 impl LogError {
     fn new(message: String) -> Self {
-        Self(Box::new(Fault { message, help: None, source_code: None, span: None, others: Vec::new() }))
+        Self(Box::new(Fault {
+            message,
+            help: None,
+            source_code: None,
+            span: None,
+            others: Vec::new(),
+            cell: None,
+        }))
+    }
+
+    /// A fault in words of its own.
+    pub(super) fn message(message: String) -> Self {
+        Self::new(message)
     }
 
     /// A fault of a file as a whole.
@@ -46,10 +63,12 @@ impl LogError {
     /// A fault of one data row (counted from 1, the header does not count).
     pub(super) fn row(path: &Path, row: u64, column: Option<&str>, problem: impl Display) -> Self {
         let path = path.display();
-        match column {
+        let mut fault = match column {
             Some(column) => Self::new(format!("{path}, row {row}, column `{column}`: {problem}")),
             None => Self::new(format!("{path}, row {row}: {problem}")),
-        }
+        };
+        fault.0.cell = Some((row, column.unwrap_or_default().to_owned()));
+        fault
     }
 
     /// A fault at a place of a text file.
@@ -68,7 +87,8 @@ impl LogError {
         let field = field.map(|field| format!(", field `{field}`"));
         let mut fault =
             Self::new(format!("{file}{}{}: {problem}", line.unwrap_or_default(), field.unwrap_or_default()));
-        if let Some(span) = span {
+        let quotable = text.lines().all(|line| line.len() <= LONGEST_QUOTED);
+        if let Some(span) = span.filter(|_| quotable) {
             fault.0.source_code = Some(NamedSource::new(file, Arc::clone(text)));
             fault.0.span = Some(span.into());
         }
@@ -87,6 +107,17 @@ impl LogError {
             self.0.help = help;
         }
         self
+    }
+
+    /// Whether `next` is about the row after `row`, in the same column as this one.
+    pub(super) fn continues(&self, row: u64, next: &Self) -> bool {
+        let column = |fault: &Self| fault.0.cell.as_ref().map(|(_, column)| column.clone());
+        next.row_number() == Some(row + 1) && column(self) == column(next)
+    }
+
+    /// The row of a faulty cell.
+    pub(super) fn row_number(&self) -> Option<u64> {
+        self.0.cell.as_ref().map(|(row, _)| *row)
     }
 
     /// Adds a remark to the help.

@@ -8,7 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::fault::LogError;
-use crate::suggest;
+use rig::suggest;
 
 /// A document being read, with the faults found so far.
 pub(super) struct Document<'a> {
@@ -35,6 +35,8 @@ pub(super) fn kind(value: &DeValue<'_>) -> String {
 /// What a number must be.
 #[derive(Clone, Copy)]
 pub(super) enum Must {
+    /// Any number.
+    BeFinite,
     /// Above zero.
     BePositive,
     /// Anything but zero.
@@ -49,6 +51,7 @@ impl Must {
     fn admits(self, value: f64) -> bool {
         value.is_finite()
             && match self {
+                Self::BeFinite => true,
                 Self::BePositive => value > 0.0,
                 Self::BeNonZero => value != 0.0,
                 Self::LieWithin(low, high) => (low..=high).contains(&value),
@@ -58,12 +61,18 @@ impl Must {
 
     fn describe(self) -> String {
         match self {
+            Self::BeFinite => "a finite number".into(),
             Self::BePositive => "a finite number above 0".into(),
             Self::BeNonZero => "a finite number other than 0".into(),
-            Self::LieWithin(low, high) => format!("a number from {low} to {high}"),
+            Self::LieWithin(low, high) => format!("a number from {} to {}", short(low), short(high)),
             Self::BePositiveUpTo(high) => format!("a number above 0, at most {high}"),
         }
     }
+}
+
+/// A limit as people write it.
+fn short(limit: f64) -> String {
+    if limit != 0.0 && limit.abs() < 1e-3 { format!("{limit:e}") } else { limit.to_string() }
 }
 
 impl<'a> Document<'a> {
@@ -195,7 +204,8 @@ impl<'a> Document<'a> {
                 None
             }
             None => {
-                self.refuse(value.span(), field, &format!("{} was expected", must.describe()), None);
+                let problem = format!("has too many digits, {} was expected", must.describe());
+                self.refuse(value.span(), field, &problem, None);
                 None
             }
         }

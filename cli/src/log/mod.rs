@@ -8,11 +8,12 @@ mod csv;
 mod description;
 mod fault;
 mod fields;
+#[cfg(test)]
+mod fuzz;
 mod parquet;
 mod rows;
 #[cfg(test)]
 mod tests;
-mod units;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -276,24 +277,33 @@ impl Samples {
         }
     }
 
-    /// Reads on after a fault, to tell about the other faulty rows.
+    /// Reads on after a fault, to tell about the other faulty rows. Rows in a row with the same column are one fault.
     fn survey(&mut self, first: LogError) -> LogError {
-        let mut faults = vec![first];
+        let mut last = first.row_number().unwrap_or(0);
+        let mut runs = vec![(first, last)];
         let mut more = 0_u64;
-        while self.in_row && (self.next < self.batch.rows || faults.len() < DESCRIBED_ROWS) {
+        while self.in_row && (self.next < self.batch.rows || runs.len() < DESCRIBED_ROWS) {
             let fault = match self.row() {
                 Ok(None) => break,
                 Ok(Some(Row::AfterGap(_, seconds, fault))) if seconds > self.bridge => fault,
                 Ok(Some(_)) => continue,
                 Err(fault) => fault,
             };
-            if faults.len() < DESCRIBED_ROWS {
-                faults.push(fault);
-            } else {
-                more += 1;
+            let row = fault.row_number().unwrap_or(0);
+            let room = runs.len() < DESCRIBED_ROWS;
+            match runs.last_mut() {
+                Some((run, end)) if last == *end && run.continues(last, &fault) => *end = row,
+                _ if room => runs.push((fault, row)),
+                _ => more += 1,
             }
+            last = row;
         }
-        let mut all = LogError::all(faults).unwrap_or_else(|| LogError::file(&self.table, "is faulty"));
+        let described = runs.into_iter().map(|(fault, end)| match fault.row_number() {
+            Some(row) if end > row => fault.note(format!("and so on in every row up to row {end}")),
+            _ => fault,
+        });
+        let mut all =
+            LogError::all(described.collect()).unwrap_or_else(|| LogError::file(&self.table, "is faulty"));
         if more > 0 {
             all = all.note(format!("and at least {more} more faulty rows"));
         }

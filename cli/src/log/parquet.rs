@@ -17,6 +17,8 @@ use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{
     ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder,
 };
+use parquet::basic::Compression;
+use parquet::file::metadata::ParquetMetaData;
 
 use super::columns::{Batch, Layout, NAMES, Source};
 use super::fault::LogError;
@@ -49,11 +51,15 @@ impl ParquetSource {
         let faults = fields.iter().filter(|field| !is_number(field.data_type()));
         let faults = faults.map(|field| {
             let problem = format!("holds {}, numbers were expected", describe(field.data_type()));
-            LogError::column(path, field.name(), problem)
+            let times =
+                matches!(field.data_type(), DataType::Timestamp(..) | DataType::Date32 | DataType::Date64);
+            let help = if times { "times are seconds, as numbers" } else { "write it as float64" };
+            LogError::column(path, field.name(), problem).help(help)
         });
         if let Some(fault) = LogError::all(faults.collect()) {
             return Err(fault);
         }
+        check_compression(path, builder.metadata())?;
         let rows = u64::try_from(builder.metadata().file_metadata().num_rows())
             .map_err(|_| damaged(path, "a negative number of rows"))?;
         let mut columns: Vec<(usize, usize)> = layout.columns().map(|(slot, index)| (index, slot)).collect();
@@ -125,6 +131,22 @@ fn check_magic(path: &Path, file: &mut File) -> Result<(), LogError> {
             .help("copy or write the file again"));
     }
     file.rewind().map_err(failed)
+}
+
+/// A column compressed in a way that is not supported is no damage: it is said which.
+fn check_compression(path: &Path, metadata: &ParquetMetaData) -> Result<(), LogError> {
+    let chunks = metadata.row_groups().iter().flat_map(|group| group.columns());
+    for chunk in chunks {
+        let name = match chunk.compression() {
+            Compression::UNCOMPRESSED | Compression::SNAPPY | Compression::ZSTD(_) => continue,
+            other => other.to_string(),
+        };
+        let name = name.split('(').next().unwrap_or_default();
+        let problem = format!("is compressed with {name}, which this program does not read");
+        return Err(LogError::column(path, &chunk.column_path().string(), problem)
+            .help("write it uncompressed, or compressed with Snappy or Zstandard"));
+    }
+    Ok(())
 }
 
 fn damaged(path: &Path, problem: &str) -> LogError {

@@ -8,7 +8,7 @@ use sinscal::{Reference, Sample};
 use super::columns::{Batch, Group, Layout};
 use super::description::{Description, TEMPERATURES};
 use super::fault::LogError;
-use super::units::sheet::DEG_PER_SQRT_HOUR;
+use rig::units::DEG_PER_SQRT_HOUR;
 
 /// A quaternion's norm may differ from 1 by this much; it is normalised then.
 pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
@@ -31,8 +31,8 @@ const LARGEST_RATE: f64 = 50.0;
 const LARGEST_NAVIGATION_RATE: f64 = 6.981_317_007_977_318;
 /// Angle random walk that separates the two, rad/sqrt(s).
 const NAVIGATION_WALK: f64 = 0.1 * DEG_PER_SQRT_HOUR;
-/// rad/s.
-const LARGEST_DITHER: f64 = 10.0;
+/// rad/s: at 400 Hz it is 250 arcsec, what a gyro's own dither is; the block that carries the gyros moves less.
+const LARGEST_DITHER: f64 = 4.0;
 /// m/s and m.
 const LARGEST_REFERENCE: [f64; 2] = [1e3, 1e6];
 
@@ -252,12 +252,13 @@ impl Checker {
     fn temperature(&self, batch: &Batch, row: usize, group: Group) -> Result<Vector3<f64>, LogError> {
         let values = triple(batch, row, group);
         let (low, high) = TEMPERATURES;
-        self.readings(group, values, low, high, "a temperature in degC")
+        self.readings(group, values, low, high, ["a temperature in degC", "in kelvin?"])
     }
 
     fn dither(&self, batch: &Batch, row: usize) -> Result<Vector3<f64>, LogError> {
         let values = triple(batch, row, Group::DITHER);
-        self.readings(Group::DITHER, values, 0.0, LARGEST_DITHER, "an amplitude in rad/s")
+        let told = ["an amplitude in rad/s", "in deg/s?"];
+        self.readings(Group::DITHER, values, 0.0, LARGEST_DITHER, told)
     }
 
     /// Readings of which each may be missing.
@@ -267,12 +268,13 @@ impl Checker {
         values: Vector3<f64>,
         low: f64,
         high: f64,
-        expected: &str,
+        [expected, too_large]: [&str; 2],
     ) -> Result<Vector3<f64>, LogError> {
         for (axis, value) in values.iter().enumerate() {
             if *value < low || *value > high {
                 let expected = format!("{expected} from {low} to {high}");
-                return Err(self.cell_fault(group.first + axis, *value, &expected));
+                let fault = self.cell_fault(group.first + axis, *value, &expected);
+                return Err(if *value > high { fault.help(too_large) } else { fault });
             }
         }
         Ok(values)

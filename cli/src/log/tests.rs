@@ -9,7 +9,7 @@ use super::{Bridged, Log, LogError};
 use support::{DESCRIPTION, Done, RATE, Table};
 
 #[path = "../../tests/program/support.rs"]
-mod support;
+pub(super) mod support;
 
 fn read(log: &Log) -> Result<(Vec<Sample>, Bridged), LogError> {
     let mut samples = log.samples()?;

@@ -94,6 +94,27 @@ fn descriptions() -> Vec<Case> {
             Toml("\"ug\"", "\"mm\""),
             &["`prior.accel-bias.unit`: `mm` is not a unit", "accepted: m/s^2, g, mg, ug"],
         ),
+        (
+            Toml("{ sigma = 300.0, unit = \"ug\" }", "{ sigma = 1.0, unit = \"m/s2\" }"),
+            &["`prior.accel-bias.unit`: `m/s2` is not a unit", "did you mean `m/s^2`?"],
+        ),
+        (Toml("sigma = 300.0", "sigma = -300.0"), &["`prior.accel-bias.sigma`: is -300", "above 0"]),
+        (Toml("sigma = 300.0", "sigma = 1e12"), &["`prior.accel-bias`: is 9.8", "from 1e-15 to 1e6 m/s^2"]),
+        (
+            Toml("position_sigma_m = 0.002", "position_sigma_m = 1e-200"),
+            &["`reference.position_sigma_m`", "from 1e-9 to 1000000 was expected"],
+        ),
+        (
+            Toml("accel_vrw_ug_sqrt_hz = 5.0", "accel_vrw_ug_sqrt_hz = 1e300"),
+            &["`noise.accel_vrw_ug_sqrt_hz`"],
+        ),
+        (Toml("gyro_arw_deg_sqrt_h = 0.001", "gyro_arw_deg_sqrt_h = nan"), &["gyro_arw_deg_sqrt_h`: is NaN"]),
+        (
+            Toml("[1.0, 0.0, 0.0, 0.0]", "[1.0, 0.0, \"0\", 0.0]"),
+            &["is a string, a finite number was expected"],
+        ),
+        (Toml("rate_hz = 50.0", "rate_hz = 50,0"), &["log.toml, line 3: is not valid TOML"]),
+        (Toml("rate_hz = 50.0", "rate_hz = 99999999999999999999"), &["`imu.rate_hz`: has too many digits"]),
         (Toml("sigma = 300.0", "sigma = 0.0"), &["`prior.accel-bias.sigma`: is 0"]),
         (
             Toml("sigma = 300.0", "sigma = 1e200"),
@@ -170,6 +191,35 @@ fn rows() -> Vec<Case> {
             ],
         ),
         (Rows(|t| t.drop_rows(1..=400)), &["has no rows"]),
+        (Rows(|t| t.set("temp_*", 5, 303.15)), &["row 5, column `temp_x`: is 303.15", "in kelvin?"]),
+        (Rows(|t| t.map("dither_y", |_, _| 4.6)), &["row 1, column `dither_y`: is 4.6", "in deg/s?"]),
+        (
+            Rows(|t| t.map("dtheta_x", |row, value| if row > 100 { NAN } else { value })),
+            &["row 101, column `dtheta_x`: is NaN", "and so on in every row up to row 400"],
+        ),
+        (
+            Rows(|t| t.map("time_s", |row, time| if row > 100 { time + 0.6 / RATE } else { time })),
+            &["row 101, column `time_s`: gap of 0.032000 s (1.6 sampling intervals)"],
+        ),
+        (
+            Rows(|t| t.columns.iter_mut().for_each(|(_, values)| values.reverse())),
+            &["row 2, column `time_s`: 7.98 s follows 8 s", "times must increase"],
+        ),
+        (
+            Rows(|t| t.columns.iter_mut().for_each(|(name, _)| *name = name.to_uppercase())),
+            &["column `DTHETA_Y`: is not a column", "did you mean `dtheta_y`?"],
+        ),
+        (
+            Rows(|t| t.columns.iter_mut().for_each(|(name, _)| *name = format!("col {name}"))),
+            &[
+                "none of its columns is one of the log format; the first is `col time_s`",
+                "valid names: time_s",
+            ],
+        ),
+        (
+            Rows(|t| t.columns.insert(0, (String::new(), vec![0.0; 400]))),
+            &["column 1 has no name", "row numbers"],
+        ),
     ]
 }
 
@@ -189,6 +239,24 @@ fn files() -> Vec<Case> {
             &["row 400: has", "fields, the header has 26", "cut off"],
         ),
         (Csv(|text| text.replace(',', ";").into()), &["line 1: fields must be separated by commas"]),
+        (Csv(|text| text.replace(',', " ").into()), &["line 1: fields must be separated by commas"]),
+        (Csv(|text| format!("# a comment\n{text}").into()), &["the first is `# a comment`", "come first"]),
+        (
+            Csv(|text| text.encode_utf16().flat_map(u16::to_le_bytes).collect()),
+            &["log.csv: is not text: a CSV table"],
+        ),
+        (
+            Csv(|text| [0xfeff].into_iter().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect()),
+            &["log.csv: is UTF-16 text", "save it as UTF-8"],
+        ),
+        (
+            Csv(|text| {
+                text.replacen("\n", "\ns,rad,rad,rad,m/s,m/s,m/s,C,C,C,C,C,C,,,,,,,,,,,,,\n", 1).into()
+            }),
+            &["row 1, column `time_s`: `s` is not a number", "no line of units"],
+        ),
+        (Csv(|text| text.replacen("30.5", "N/A", 1).into()), &["column `temp_y`: `N/A`", "or write NaN"]),
+        (Csv(|text| text.replacen("30.5", "30,5", 1).into()), &["row 1: has 27 fields", "with a point"]),
         (Csv(|text| text.split_once('\n').map_or("", |(_, rows)| rows).into()), &["line 1 holds numbers"]),
         (Csv(|_| vec![0xff; 300]), &["log.csv: is not text"]),
         (Csv(|_| vec![b'a'; 200_000]), &["no line end within 64 KiB"]),
@@ -368,7 +436,7 @@ fn several_faulty_rows_are_all_named() -> Done {
     }
     table.set("temp_x", 350, 500.0);
     table.write_csv(&folder.path().join("log.csv"))?;
-    let expected = ["row 30,", "row 31,", "row 200,", "row 350, column `temp_x`"];
+    let expected = ["row 30,", "in every row up to row 31", "row 200,", "row 350, column `temp_x`"];
     assert_eq!(complaint(folder.path(), &expected)?, None);
     Ok(())
 }

@@ -3,7 +3,10 @@
 mod broken_inputs;
 mod coarse;
 mod commands;
+mod determinism;
 mod experiments;
+mod kills;
+mod other_inputs;
 mod outside_logs;
 mod simulate;
 mod support;

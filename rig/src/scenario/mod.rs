@@ -4,7 +4,6 @@ mod check;
 mod fault;
 mod read;
 mod reader;
-pub(crate) mod units;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::blocks::set::DITHER;

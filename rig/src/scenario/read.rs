@@ -1,17 +1,18 @@
 //! From the text of a scenario to SI units.
 
-use sinscal::{EFFECTS, Site};
+use sinscal::{EFFECTS, EffectInfo, Site};
 use toml::de::DeTable;
 
 use super::fault::{Fault, ScenarioError};
 use super::reader::{Entry, Must, Reader, as_table};
 use super::{
     DEFAULT_SCENARIO, DitherMode, DitherPlan, InitialPlan, MotionPlan, Path, Population, ReferencePlan,
-    Scenario, units,
+    Scenario,
 };
 use crate::environment::{TemperaturePlan, TemperatureProfile};
 use crate::motion::{Axis, Imperfections, Turn, Vibration};
 use crate::noise::NoiseFigures;
+use crate::{suggest, units};
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 const DAY: f64 = 86_400.0;
@@ -422,7 +423,7 @@ fn read_dither(r: &mut Reader<'_>) -> Option<DitherPlan> {
     ];
     let s = r.section("dither", &keys);
     let mode = r.word(&s, "mode", &["off", "mean", "full"]);
-    let amplitude = r.three(&s, "amplitude", units::ANGULAR_RATE, Must::NotBeNegative(10.0));
+    let amplitude = r.three(&s, "amplitude", units::ANGULAR_RATE, Must::NotBeNegative(4.0));
     let share = Must::NotBeNegative(0.9);
     let spread = r.quantity(&s, "spread", units::RATIO, share);
     let change = r.quantity(&s, "change", units::RATIO, share);
@@ -457,8 +458,11 @@ fn read_population(r: &mut Reader<'_>) -> Vec<Population> {
     let mut populations = Vec::new();
     for (name, entry) in r.whole("population") {
         let Some(effect) = sinscal::effect(name) else {
-            let names = EFFECTS.iter().map(|effect| effect.name()).collect::<Vec<_>>().join(", ");
-            r.refuse(&entry, "is not an effect", names);
+            r.refuse(
+                &entry,
+                "is not an effect",
+                suggest::accepted(name, EFFECTS.iter().map(EffectInfo::name)),
+            );
             continue;
         };
         if name == "dither-size-effect" {

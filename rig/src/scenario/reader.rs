@@ -5,7 +5,8 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::fault::Fault;
-use super::units::{self, Units};
+use crate::suggest;
+use crate::units::{self, Units};
 
 /// A scenario being read.
 pub(super) struct Reader<'t> {
@@ -57,8 +58,9 @@ impl Must {
             }
     }
 
-    fn describe(self, units: Units) -> String {
-        let write = |x| units::write(x, units);
+    /// In the unit of the refused text `like`.
+    fn describe(self, units: Units, like: &str) -> String {
+        let write = |x| units::write(x, units, like);
         match self {
             Self::BeFinite => "a finite number".into(),
             Self::BeNonZero => "anything but zero".into(),
@@ -85,7 +87,8 @@ impl<'t> Reader<'t> {
             let name = key.get_ref().as_ref();
             if !known.contains(&name) {
                 let field = if within.is_empty() { name.to_owned() } else { format!("{within}.{name}") };
-                let fault = Fault::new(field, "is not known", known.join(", ")).at(self.text, key.span());
+                let accepted = suggest::accepted(name, known.iter().copied());
+                let fault = Fault::new(field, "is not known", accepted).at(self.text, key.span());
                 self.faults.push(fault);
             }
         }
@@ -181,7 +184,11 @@ impl<'t> Reader<'t> {
             other => {
                 let names = units.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
                 let problem = format!("is {} {}", article(other.type_str()), other.type_str());
-                self.refuse(entry, &problem, format!("a number and its unit in quotes; units: {names}"));
+                self.refuse(
+                    entry,
+                    &problem,
+                    format!("a number, a space and its unit in quotes; units: {names}"),
+                );
                 return None;
             }
         };
@@ -189,7 +196,7 @@ impl<'t> Reader<'t> {
             return Some(value);
         }
         let text = entry.value.get_ref().as_str().unwrap_or_default();
-        self.refuse(entry, &format!("is \"{text}\""), must.describe(units));
+        self.refuse(entry, &format!("is \"{text}\""), must.describe(units, text));
         None
     }
 
@@ -242,7 +249,8 @@ impl<'t> Reader<'t> {
         if place.is_none() {
             let problem =
                 found.map_or_else(|| "is not a word in quotes".to_owned(), |word| format!("is \"{word}\""));
-            self.refuse(entry, &problem, accepted.join(", "));
+            let accepted = suggest::accepted(found.unwrap_or_default(), accepted.iter().copied());
+            self.refuse(entry, &problem, accepted);
         }
         place
     }

@@ -3,8 +3,10 @@
 mod common;
 mod determinism;
 mod dither;
+mod fuzz;
 mod increments;
 mod nees;
+mod outliers;
 mod round_trip;
 mod scenario;
 mod speed;

@@ -1,14 +1,15 @@
 //! The nearest valid name to a mistyped one.
 
 /// The candidate closest to `name`, if one is close enough to be what was meant.
-pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wanted = simplified(name);
     let length = wanted.chars().count();
     let allowed = (length / 2).max(1);
     let far = |candidate: &str| {
         let candidate = simplified(candidate);
         // A beginning of a name is a short form of it, however much is left out.
-        if length >= 3 && candidate.starts_with(&wanted) { 1 } else { distance(&wanted, &candidate) }
+        let beginning = length >= 3 && candidate.starts_with(&wanted) && candidate != wanted;
+        if beginning { 1 } else { distance(&wanted, &candidate) }
     };
     candidates
         .into_iter()
@@ -19,10 +20,19 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
 }
 
 /// `did you mean ...`, or all the names when none is near.
-pub(crate) fn hint<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> String {
+pub fn hint<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> String {
     match nearest(name, candidates.clone()) {
         Some(candidate) => format!("did you mean `{candidate}`?"),
         None => format!("valid names: {}", candidates.into_iter().collect::<Vec<_>>().join(", ")),
+    }
+}
+
+/// All the names, and the one that was meant if one is near: what follows `accepted:`.
+pub(crate) fn accepted<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> String {
+    let all = candidates.clone().into_iter().collect::<Vec<_>>().join(", ");
+    match nearest(name, candidates) {
+        Some(near) => format!("{all} (did you mean `{near}`?)"),
+        None => all,
     }
 }
 
@@ -68,6 +78,7 @@ mod tests {
         assert_eq!(nearest("Gyro-Scal", names), Some("gyro-scale"));
         assert_eq!(nearest("acel-bias", names), Some("accel-bias"));
         assert_eq!(nearest("accel", names), Some("accel-bias"));
+        assert_eq!(nearest("TEMP_Y", ["temp_x", "temp_y"]), Some("temp_y"));
         assert_eq!(nearest("zzz", names), None);
         assert_eq!(hint("zzz", ["a_long_name"]), "valid names: a_long_name");
     }

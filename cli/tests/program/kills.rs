@@ -1,0 +1,171 @@
+//! Programs that are killed, and programs that get into each other's way.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::support::{DESCRIPTION, Done, Table};
+
+/// A campaign of a second or two.
+const SCENARIO: &str = "[motion]\npath = \"swing\"\nstart = \"ENU\"\nduration = \"120 s\"\n";
+const UNITS: usize = 16;
+
+fn campaign(folder: &Path, out: &str, more: &[&str]) -> std::io::Result<Child> {
+    fs::write(folder.join("s.toml"), SCENARIO)?;
+    Command::new(env!("CARGO_BIN_EXE_sinscal"))
+        .args(["campaign", "--units", &UNITS.to_string(), "--scenario", "s.toml", "--hours", "0"])
+        .args(["--filters", "36d-p,43d-b", "--out", out])
+        .args(more)
+        .current_dir(folder)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+}
+
+/// Every file below a folder with its bytes.
+fn contents(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, Box<dyn std::error::Error>> {
+    let mut all = BTreeMap::new();
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if entry.path().is_dir() {
+            all.extend(
+                contents(&entry.path())?.into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)),
+            );
+        } else {
+            all.insert(name, fs::read(entry.path())?);
+        }
+    }
+    Ok(all)
+}
+
+/// Killed at moments all over its run, then let run to its end: not a bit differs from a campaign that was never killed.
+#[test]
+fn a_campaign_killed_many_times_ends_the_same() -> Done {
+    let folder = tempfile::tempdir()?;
+    let started = Instant::now();
+    assert!(campaign(folder.path(), "whole", &[])?.wait()?.success());
+    let whole = started.elapsed();
+    let mut state = 1_u64;
+    let mut kills = 0;
+    for round in 0..25 {
+        // early ones too, while the folder and the plan are made
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let part = (state >> 33) as f64 / 2_f64.powi(31);
+        let wait = if round % 3 == 0 { 0.02 * part } else { 0.25 * part };
+        let mut child = campaign(folder.path(), "killed", &[])?;
+        thread::sleep(whole.mul_f64(wait));
+        child.kill()?;
+        kills += usize::from(!child.wait()?.success());
+        // whatever is there is whole
+        let there = folder.path().join("killed");
+        for (name, bytes) in if there.exists() { contents(&there)? } else { BTreeMap::new() } {
+            if name.ends_with(".json") {
+                serde_json::from_slice::<serde_json::Value>(&bytes)
+                    .map_err(|error| format!("{name}: {error}"))?;
+            }
+        }
+    }
+    assert!(kills >= 5, "only {kills} kills came in time");
+    let last = campaign(folder.path(), "killed", &[])?.wait_with_output()?;
+    assert!(last.status.success(), "{}", String::from_utf8_lossy(&last.stderr));
+    let (whole, killed) = (contents(&folder.path().join("whole"))?, contents(&folder.path().join("killed"))?);
+    assert_eq!(whole.keys().collect::<Vec<_>>(), killed.keys().collect::<Vec<_>>());
+    assert_eq!(whole.len(), UNITS + 5, "{:?}", whole.keys());
+    for (name, bytes) in whole {
+        assert!(killed.get(&name) == Some(&bytes), "{name} differs");
+    }
+    Ok(())
+}
+
+/// A second campaign is refused while the first is at work in the folder; shards share it.
+#[test]
+fn two_campaigns_do_not_share_a_folder_but_shards_do() -> Done {
+    let folder = tempfile::tempdir()?;
+    let mut first = campaign(folder.path(), "out", &[])?;
+    let plan = folder.path().join("out/plan.json");
+    while !plan.exists() {
+        thread::sleep(Duration::from_millis(1));
+    }
+    // the first takes its lock just after the plan is there
+    thread::sleep(Duration::from_millis(20));
+    let second = campaign(folder.path(), "out", &[])?.wait_with_output()?;
+    let message = String::from_utf8_lossy(&second.stderr);
+    if first.try_wait()?.is_none() {
+        assert_eq!(second.status.code(), Some(1));
+        assert!(message.contains("out: another campaign is at work in this folder"), "{message}");
+        assert!(message.contains("--shard"), "{message}");
+    }
+    assert!(first.wait()?.success());
+
+    let shards = ["1/2", "2/2"].map(|part| campaign(folder.path(), "shared", &["--shard", part]));
+    for shard in shards {
+        let done = shard?.wait_with_output()?;
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    }
+    let merge = Command::new(env!("CARGO_BIN_EXE_sinscal"))
+        .args(["campaign", "merge", "shared", "--out", "merged"])
+        .current_dir(folder.path())
+        .output()?;
+    assert!(merge.status.success(), "{}", String::from_utf8_lossy(&merge.stderr));
+    let (out, merged) = (folder.path().join("out"), folder.path().join("merged"));
+    for name in ["summary.json", "summary.txt", "filters.parquet", "parameters.parquet"] {
+        assert!(fs::read(out.join(name))? == fs::read(merged.join(name))?, "{name} differs");
+    }
+    Ok(())
+}
+
+/// Calibrations that end in one folder at the same time leave the files of one of them.
+#[test]
+fn results_of_two_runs_are_not_mixed() -> Done {
+    let folder = tempfile::tempdir()?;
+    fs::write(folder.path().join("log.toml"), DESCRIPTION)?;
+    Table::at_rest(500).write_csv(&folder.path().join("log.csv"))?;
+    let run = |filter: &str| {
+        Command::new(env!("CARGO_BIN_EXE_sinscal"))
+            .args(["calibrate", "log", "--filter", filter, "--out", "out"])
+            .current_dir(folder.path())
+            .stdout(Stdio::null())
+            .spawn()
+    };
+    for _ in 0..5 {
+        for child in [run("36d-p")?, run("43d-b")?, run("36d-p")?, run("43d-b")?].iter_mut() {
+            assert!(child.wait()?.success());
+        }
+        let calibration: serde_json::Value =
+            serde_json::from_slice(&fs::read(folder.path().join("out/calibration.json"))?)?;
+        let history = fs::read_to_string(folder.path().join("out/history.csv"))?;
+        let columns = history.lines().next().map_or(0, |line| line.split(',').count());
+        assert_eq!(calibration["parameters"].as_array().map(|list| 1 + 2 * list.len()), Some(columns));
+    }
+    assert_eq!(contents(&folder.path().join("out"))?.len(), 2);
+    Ok(())
+}
+
+/// A run that is killed leaves no results that look whole.
+#[test]
+fn a_killed_simulation_leaves_no_log() -> Done {
+    let folder = tempfile::tempdir()?;
+    let simulate = || {
+        Command::new(env!("CARGO_BIN_EXE_sinscal"))
+            .args(["simulate", "--out", "logs/log"])
+            .current_dir(folder.path())
+            .stderr(Stdio::null())
+            .spawn()
+    };
+    for milliseconds in [1, 5, 20, 60, 120] {
+        let mut child = simulate()?;
+        thread::sleep(Duration::from_millis(milliseconds));
+        child.kill()?;
+        if !child.wait()?.success() {
+            for name in ["log.toml", "log.truth.json"] {
+                let table = folder.path().join("logs/log.parquet");
+                assert!(!folder.path().join("logs").join(name).exists() || table.exists(), "{name}");
+            }
+        }
+    }
+    Ok(())
+}
