@@ -1,18 +1,19 @@
 //! One 43-state cycle: propagate with Phi and Psi over an interval, six-measurement update, full covariance. And what is
 //! assembled for it.
 //!
-//! `cargo bench --bench cycle`. Every peer is checked to give the same covariance before it is timed. Other crates stand in
-//! `benches/peers`.
+//! `cargo bench --bench cycle`; `cargo bench --bench cycle -- --least` prints the least of many short repetitions instead of
+//! statistics, which a busy machine disturbs little. Every peer is checked to give the same covariance before it is timed.
+//! Other crates stand in `benches/peers`.
 
 mod case;
 
 use std::hint::black_box;
+use std::time::{Duration, Instant};
 
-use calib_core::{Conventional, Form, Shape, Ud};
+use calib_core::{Conventional, Form, Ud};
 use case::{Case, F, N, S, case, check, cycle, interval, point, signals};
-use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use criterion::{BatchSize, Criterion};
 use nalgebra::{DMatrix, SMatrix};
-use sinscal::Transition;
 
 type M = SMatrix<f64, N, N>;
 
@@ -57,6 +58,35 @@ impl Dense {
     }
 }
 
+/// Times routines with criterion, or on its own where that is `None`.
+struct Bench {
+    criterion: Option<Criterion>,
+}
+
+impl Bench {
+    /// `routine` on a fresh copy of `start`; copying is not counted.
+    fn run<P: Clone, R>(&mut self, name: &str, start: &P, mut routine: impl FnMut(&mut P) -> R) {
+        if let Some(criterion) = &mut self.criterion {
+            criterion.bench_function(name, |b| {
+                b.iter_batched_ref(|| start.clone(), |p| black_box(routine(p)), BatchSize::SmallInput);
+            });
+            return;
+        }
+        // routines without a start take nanoseconds: the clock needs many of them
+        let times = if size_of::<P>() == 0 { 100 } else { 1 };
+        let mut least = Duration::MAX;
+        for _ in 0..20_000 {
+            let mut copy = start.clone();
+            let begin = Instant::now();
+            for _ in 0..times {
+                black_box(routine(black_box(&mut copy)));
+            }
+            least = least.min(begin.elapsed());
+        }
+        println!("{name:40} {:8.3} us", least.as_secs_f64() * 1e6 / f64::from(times));
+    }
+}
+
 /// U and D of a covariance, as the UD form stores them.
 fn factors(p: &[[f64; N]; N]) -> [[f64; N]; N] {
     let (mut rest, mut ud) = (*p, [[0.0; N]; N]);
@@ -75,23 +105,17 @@ fn factors(p: &[[f64; N]; N]) -> [[f64; N]; N] {
     ud
 }
 
-fn forms(c: &mut Criterion) {
+fn forms(bench: &mut Bench) {
     let case = case();
     let mut want = case.p;
     cycle::<Conventional>(&case, &mut want);
-    let mut group = c.benchmark_group("cycle-43");
-    let mut ours = |name: &str, start: [[f64; N]; N], run: fn(&Case, &mut [[f64; N]; N]) -> f64| {
-        group.bench_function(name, |b| {
-            b.iter_batched_ref(|| start, |p| black_box(run(&case, p)), BatchSize::SmallInput);
-        });
-    };
-    ours("conventional", case.p, cycle::<Conventional>);
+    bench.run("conventional", &case.p, |p| cycle::<Conventional>(&case, p));
     let ud = factors(&case.p);
     let (mut moved, mut dense) = (ud, case.p);
     cycle::<Ud>(&case, &mut moved);
     Ud::dense::<S, f64>(&moved, &mut dense);
     check("ud", |i, j| dense[i][j], &want);
-    ours("ud", ud, cycle::<Ud>);
+    bench.run("ud", &ud, |p| cycle::<Ud>(&case, p));
 
     let nalgebra = Dense::new(&case);
     let start = M::from_fn(|i, j| case.p[i][j]);
@@ -104,51 +128,47 @@ fn forms(c: &mut Criterion) {
         let mut p = start;
         run(&nalgebra, &mut p);
         check(name, |i, j| p[(i, j)], &want);
-        group.bench_function(name, |b| {
-            b.iter_batched_ref(|| start, |p| run(&nalgebra, p), BatchSize::SmallInput);
-        });
+        bench.run(name, &start, |p| run(&nalgebra, p));
     }
     let heap = |m: &M| DMatrix::from_fn(N, N, |i, j| m[(i, j)]);
     let (f, q, h) = (heap(&nalgebra.f), heap(&nalgebra.q), DMatrix::from_fn(6, N, |i, j| case.h[i][j]));
     let r = DMatrix::from_fn(6, 6, |i, j| nalgebra.r[(i, j)]);
-    let start = heap(&start);
-    let dynamic = || {
-        let p = &f * black_box(&start) * f.transpose() + &q;
-        let pht = &p * h.transpose();
+    let dynamic = |p: &mut DMatrix<f64>| {
+        *p = &f * &*p * f.transpose() + &q;
+        let pht = &*p * h.transpose();
         let k = &pht * (&h * &pht + &r).try_inverse().expect("positive definite");
-        (DMatrix::identity(N, N) - k * &h) * p
+        *p = (DMatrix::identity(N, N) - k * &h) * &*p;
     };
-    let p = dynamic();
+    let mut p = heap(&start);
+    dynamic(&mut p);
     check("nalgebra dynamic", |i, j| p[(i, j)], &want);
-    group.bench_function("nalgebra dynamic, (I-KH)P", |b| b.iter(|| black_box(dynamic())));
-    group.finish();
+    bench.run("nalgebra dynamic, (I-KH)P", &heap(&start), dynamic);
 }
 
-fn assembly(c: &mut Criterion) {
-    let mut group = c.benchmark_group("assembly-43");
+fn assembly(bench: &mut Bench) {
     let (at, signals) = (point(), signals());
-    let mut transition = Transition::<F, f64>::new();
-    group.bench_function("absorb", |b| {
-        b.iter(|| {
-            transition.absorb(black_box(&at), black_box(&signals), 0.005);
-            black_box(&mut transition);
-        });
-    });
-    let mut transition = interval();
-    group.bench_function("advance", |b| {
-        b.iter(|| {
-            transition.advance(black_box(&at), 1e-9);
-            black_box(&mut transition);
-        });
-    });
-    let transition = interval();
     let density = [1e-13; 9];
-    group.bench_function("noise", |b| b.iter(|| black_box(transition.noise(black_box(&density)))));
-    group.bench_function("measurement rows", |b| {
-        b.iter(|| black_box(calib_core::measurement_rows::<F, f64>(black_box(&at), black_box(&signals))));
+    let mut transition = interval();
+    bench.run("absorb a sample", &(), |()| {
+        transition.absorb(black_box(&at), black_box(&signals), 1e-9);
+        black_box(&mut transition);
     });
-    group.finish();
+    bench.run("advance", &(), |()| {
+        transition.advance(black_box(&at), 1e-9);
+        black_box(&mut transition);
+    });
+    bench.run("process noise", &(), |()| transition.noise(black_box(&density)));
+    bench.run("measurement rows", &(), |()| {
+        calib_core::measurement_rows::<F, f64>(black_box(&at), black_box(&signals))
+    });
 }
 
-criterion_group!(benches, forms, assembly);
-criterion_main!(benches);
+fn main() {
+    let least = std::env::args().any(|argument| argument == "--least");
+    let mut bench = Bench { criterion: (!least).then(|| Criterion::default().configure_from_args()) };
+    forms(&mut bench);
+    assembly(&mut bench);
+    if let Some(criterion) = bench.criterion {
+        criterion.final_summary();
+    }
+}
