@@ -132,6 +132,8 @@ pub struct Calibration<F: Filter<Dynamics = Strapdown>, C: Form = Conventional> 
     next_update: f64,
     step: Step,
     gate: Gate,
+    /// Where the error model was last linearised.
+    at: Point<f64>,
     statistics: Statistics,
     setup: Scalars,
 }
@@ -229,6 +231,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             next_update: f64::NEG_INFINITY,
             step: Step::EMPTY,
             gate: Gate::NEW,
+            at: Point::default(),
             statistics: Statistics::default(),
             setup: scalars,
         }
@@ -348,10 +351,12 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         self.step.velocity_n += middle * now.dvel;
         self.step.elapsed += dt;
         self.step.turned += now.dtheta.norm();
-        let at = self.point(middle, self.step.velocity_n / self.step.elapsed, &signals.rate);
-        self.transition.absorb(&at, signals, dt);
+        // how sensor errors enter depends on the attitude; the rest of the point is needed once a step
+        self.at.c_bn = middle;
+        self.transition.absorb(&self.at, signals, dt);
         if self.step.elapsed >= STEP_TIME || self.step.turned >= STEP_ANGLE {
-            self.transition.advance(&at, self.step.elapsed);
+            self.at = self.point(middle, self.step.velocity_n / self.step.elapsed, &signals.rate);
+            self.transition.advance(&self.at, self.step.elapsed);
             self.step = Step::EMPTY;
         }
     }

@@ -62,7 +62,8 @@ pub fn rotation_n<T: Real>(latitude: T) -> Vector3<T> {
 pub fn transport_n<T: Real>(latitude: T, height: T, velocity: &Vector3<T>) -> Vector3<T> {
     let (meridian, prime_vertical) = radii(latitude);
     let east = velocity.x / (prime_vertical + height);
-    Vector3::new(-velocity.y / (meridian + height), east, east * latitude.tan())
+    // sine and cosine are had already where the radii and the Earth's rotation are
+    Vector3::new(-velocity.y / (meridian + height), east, east * (latitude.sin() / latitude.cos()))
 }
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ pub struct Signals<T: Real> {
 /// Where the strapdown error model is linearised: navigation solution, inputs and lever arm.
 ///
 /// n is east, north, up at the current position; b is right, forward, up.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point<T: Real> {
     /// Turns b components into n components.
     pub c_bn: nalgebra::Matrix3<T>,

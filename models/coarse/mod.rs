@@ -53,7 +53,7 @@ pub struct UnknownPulses {
 
 /// Collects a log for the coarse calibration, sample by sample.
 ///
-/// It keeps the gyro increments over hundredths of a second: 9 MB for an hour.
+/// It keeps the gyro increments over hundredths of a second: 12 MB for an hour.
 #[derive(Clone, Debug)]
 pub struct Coarse {
     site: Site,
