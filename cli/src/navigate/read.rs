@@ -170,18 +170,13 @@ fn kind(value: &Value) -> &'static str {
 mod tests {
     use proptest::prelude::*;
 
-    use self::damage::damaged;
     use super::*;
-
-    #[path = "../../../../tests/common/damage.rs"]
-    mod damage;
+    use crate::log::fuzz::damage::damaged;
 
     /// A calibration that found nothing.
     fn sound() -> Vec<u8> {
         let known = visit_filter("43d-b", Known).unwrap_or_default();
-        let parameter = |info: &StateInfo| {
-            serde_json::json!({ "name": info.block, "component": info.component, "value": 1e-9, "unit": info.unit })
-        };
+        let parameter = |info: &StateInfo| serde_json::json!({ "name": info.block, "component": info.component, "value": 1e-9, "unit": info.unit });
         let parameters: Vec<Value> = known.iter().map(parameter).collect();
         serde_json::json!({ "filter": "43d-b", "parameters": parameters }).to_string().into_bytes()
     }

@@ -24,7 +24,7 @@ const BAD: &[(&str, &[&str])] = &[
     ("[gyros]\nrandom_walk = \"0 deg/sqrt(h)\"", &["line 1", "gyros", "accelerometer"]),
     ("imu = 3", &["imu", "is not a table"]),
     ("[imu\nrate", &["line 1", "not valid TOML"]),
-    ("[site]\nlatitude = \"91 deg\"", &["site.latitude", "from -1.56"]),
+    ("[site]\nlatitude = \"91 deg\"", &["site.latitude", "from -89.9 deg"]),
     ("[motion]\npath = \"spiral\"", &["motion.path", "eighteen-rotations, nineteen-positions, two-axis"]),
     ("[motion]\nstart = \"NEU\"", &["motion.start", "right-handed"]),
     ("[motion]\nrate = \"-10 deg/s\"", &["line 2", "motion.rate", "more than 0"]),
