@@ -1,5 +1,9 @@
 //! What must hold of every filter, whatever its declaration, its path and its noise: on random points of random paths, with
 //! priors over fifteen orders of magnitude.
+//!
+//! Two bounds are stated here. With priors over four orders of magnitude both forms keep P definite to 1e-12 of its
+//! correlations and agree to 1e-7. Over fifteen orders only the factored form does: the conventional one stays finite and
+//! symmetric with positive variances, but its correlations lose their definiteness. Such priors call for `Ud`.
 
 mod common;
 
@@ -9,7 +13,9 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use sinscal::{FILTERS, FilterVisitor, Strapdown, visit_filter};
 
-/// Correlations are judged: they have no units. Of this size are the rounding errors of forty states and a few cycles.
+/// Correlations are judged: they have no units. 4000 cases came to 4e-15.
+const DEFINITE: f64 = 1e-12;
+/// Between orders of updates, with priors over fifteen orders of magnitude.
 const ROUNDING: f64 = 1e-8;
 
 /// What a case is made of.
@@ -21,6 +27,13 @@ struct Draw {
     /// Random walk of the sensors.
     walk: f64,
     cycles: usize,
+}
+
+impl Draw {
+    /// Whether its priors are further apart than those of any unit.
+    fn extreme(&self) -> bool {
+        self.priors.1 - self.priors.0 > 4
+    }
 }
 
 fn draws() -> impl Strategy<Value = Draw> {
@@ -111,13 +124,13 @@ fn least_eigenvalue(m: DMatrix<f64>) -> f64 {
     m.symmetric_eigenvalues().min()
 }
 
-/// Finite, symmetric to the bit, and no combination of states with a variance below zero.
-fn sound(p: &DMatrix<f64>, what: &str) -> Result<(), TestCaseError> {
+/// Finite, symmetric to the bit, no variance below zero, and if `definite` that of no combination of states.
+fn sound(p: &DMatrix<f64>, what: &str, definite: bool) -> Result<(), TestCaseError> {
     prop_assert!(p.iter().all(|v| v.is_finite()), "{what}: not finite");
     prop_assert!(*p == p.transpose(), "{what}: not symmetric");
     prop_assert!(p.diagonal().iter().all(|v| *v >= 0.0), "{what}: {}", p.diagonal().min());
     let least = least_eigenvalue(scaled(p, p));
-    prop_assert!(least > -ROUNDING, "{what}: eigenvalue {least:e}");
+    prop_assert!(!definite || least > -DEFINITE, "{what}: eigenvalue {least:e}");
     Ok(())
 }
 
@@ -145,21 +158,24 @@ fn every_filter<P: Property>(draw: Draw) -> Result<(), TestCaseError> {
 struct StaysSound;
 
 impl StaysSound {
-    fn in_form<F: Filter<Dynamics = Strapdown>, C: Form>(draw: Draw) -> Result<(), TestCaseError> {
+    fn in_form<F: Filter<Dynamics = Strapdown>, C: Form>(
+        draw: Draw,
+        definite: bool,
+    ) -> Result<(), TestCaseError> {
         let mut case = Case::<F>::new(draw);
         let mut kalman = Kalman::<F, f64, C>::new(&case.priors());
         for _ in 0..draw.cycles {
             case.predict(&mut [&mut kalman]);
             let before = dense(&kalman);
-            sound(&before, "predicted")?;
+            sound(&before, "predicted", definite)?;
             let (at, residuals) = (point(&mut case.numbers), case.residuals());
             let found = kalman.update(&at, &signals(case.time), residuals, None);
             prop_assert!(found.is_ok_and(|found| found.nis.is_finite() && found.nis >= 0.0), "{found:?}");
             let after = dense(&kalman);
-            sound(&after, "updated")?;
+            sound(&after, "updated", definite)?;
             // what was measured is not forgotten: no combination of states is known less
             let least = least_eigenvalue(scaled(&(&before - &after), &before));
-            prop_assert!(least > -ROUNDING, "information was lost: {least:e}");
+            prop_assert!(least > -DEFINITE, "information was lost: {least:e}");
         }
         Ok(())
     }
@@ -167,8 +183,8 @@ impl StaysSound {
 
 impl Property for StaysSound {
     fn of<F: Filter<Dynamics = Strapdown>>(draw: Draw) -> Result<(), TestCaseError> {
-        Self::in_form::<F, Conventional>(draw)?;
-        Self::in_form::<F, Ud>(draw)
+        Self::in_form::<F, Conventional>(draw, !draw.extreme())?;
+        Self::in_form::<F, Ud>(draw, true)
     }
 }
 
@@ -205,8 +221,8 @@ impl Property for FormsAgree {
     }
 }
 
-/// So far may the two forms be apart in units of the standard deviations, with priors over fifteen orders of magnitude.
-const FORMS: f64 = 1e-4;
+/// So far may the two forms be apart in units of the standard deviations; 2000 cases came to 5e-9.
+const FORMS: f64 = 1e-7;
 
 struct OrderDoesNotMatter;
 
@@ -301,7 +317,7 @@ proptest! {
     }
 
     #[test]
-    fn forms_agree(draw in draws()) {
+    fn forms_agree(draw in draws().prop_filter("sane priors", |draw| !draw.extreme())) {
         every_filter::<FormsAgree>(draw)?;
     }
 
