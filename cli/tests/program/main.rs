@@ -4,6 +4,7 @@ mod broken_inputs;
 mod commands;
 mod determinism;
 mod experiments;
+mod golden;
 mod kills;
 mod other_inputs;
 mod outside_logs;
