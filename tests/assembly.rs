@@ -5,30 +5,12 @@ mod common;
 use calib_core::{
     Block, Dynamics, Filter, Kalman, Residuals, Shape, Transition, measurement_rows, system_rows,
 };
-use common::{Numbers, signals};
-use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+use common::{Numbers, point, signals};
+use nalgebra::{DMatrix, DVector, Vector3};
 use sinscal::{
     FilterVisitor, Point, Signals, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Strapdown, Tracked35,
     visit_filter,
 };
-
-fn point(numbers: &mut Numbers) -> Point<f64> {
-    let c_bn = Rotation3::from_scaled_axis(numbers.vector(2.0)).into_inner();
-    let (rate_eb, lever, velocity) = (numbers.vector(0.5), numbers.vector(0.3), numbers.vector(2.0));
-    Point {
-        c_bn,
-        velocity,
-        latitude: 0.7 * numbers.next(),
-        height: 100.0 * numbers.next(),
-        position: numbers.vector(5.0),
-        force_n: Vector3::new(0.1, -0.2, 9.8) + numbers.vector(1.0),
-        rate_eb,
-        lever,
-        point_velocity: velocity + c_bn * rate_eb.cross(&lever),
-        point_acceleration: numbers.vector(1.0),
-        point_position: numbers.vector(5.0),
-    }
-}
 
 /// A matrix filled by whoever calls `put`.
 fn filled(rows: usize, columns: usize, fill: impl FnOnce(&mut dyn FnMut(usize, usize, f64))) -> DMatrix<f64> {

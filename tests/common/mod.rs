@@ -1,8 +1,8 @@
 //! What several tests share: numbers, a moving unit.
 #![allow(dead_code, reason = "not every test uses all of the shared helpers")]
 
-use nalgebra::{UnitQuaternion, Vector3};
-use sinscal::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Signals, Site};
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use sinscal::{InitialAttitude, Point, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Signals, Site};
 
 /// A small linear congruential generator, uniform in -1 to 1: the tests need numbers, not statistics.
 pub(crate) struct Numbers(pub(crate) u64);
@@ -50,6 +50,25 @@ pub(crate) fn signals(t: f64) -> Signals<f64> {
         dither: Vector3::new(3e-3, 4e-3, 5e-3),
         coupled_dither: Vector3::new(3e-3, 4e-3, 5e-3),
         time: t,
+    }
+}
+
+/// Somewhere on some path.
+pub(crate) fn point(numbers: &mut Numbers) -> Point<f64> {
+    let c_bn = Rotation3::from_scaled_axis(numbers.vector(2.0)).into_inner();
+    let (rate_eb, lever, velocity) = (numbers.vector(0.5), numbers.vector(0.3), numbers.vector(2.0));
+    Point {
+        c_bn,
+        velocity,
+        latitude: 0.7 * numbers.next(),
+        height: 100.0 * numbers.next(),
+        position: numbers.vector(5.0),
+        force_n: Vector3::new(0.1, -0.2, 9.8) + numbers.vector(1.0),
+        rate_eb,
+        lever,
+        point_velocity: velocity + c_bn * rate_eb.cross(&lever),
+        point_acceleration: numbers.vector(1.0),
+        point_position: numbers.vector(5.0),
     }
 }
 

@@ -10,7 +10,7 @@ use super::Log;
 use super::tests::support::{DESCRIPTION, Table};
 
 #[path = "../../../tests/common/damage.rs"]
-mod damage;
+pub(crate) mod damage;
 
 /// Rows of the sound table; no damage of a few bytes makes many more of it.
 const ROWS: usize = 120;

@@ -9,7 +9,7 @@ mod description;
 mod fault;
 mod fields;
 #[cfg(test)]
-mod fuzz;
+pub(crate) mod fuzz;
 mod parquet;
 mod rows;
 #[cfg(test)]

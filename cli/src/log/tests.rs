@@ -201,7 +201,7 @@ fn all_faults_of_a_description_are_found_at_once() -> Done {
     let text = messages.join("\n");
     for part in [
         "line 5, field `site.latitude_deg`: is 320.6, a number from -90 to 90 was expected",
-        "line 13, field `reference.velocity_sigma_m_s`: is -1, a finite number above 0 was expected",
+        "line 13, field `reference.velocity_sigma_m_s`: is -1, a number from 1e-9 to 1000 was expected",
         "line 18, field `noise.accel_vrw_mg_sqrt_hz`: is not a name of the log format",
         "did you mean `accel_vrw_ug_sqrt_hz`?",
         "field `noise.accel_vrw_ug_sqrt_hz`: is missing",

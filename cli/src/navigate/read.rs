@@ -167,15 +167,11 @@ fn kind(value: &Value) -> &'static str {
 }
 
 #[cfg(test)]
-#[path = "../../../tests/common/damage.rs"]
-mod damage;
-
-#[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
-    use super::damage::damaged;
     use super::*;
+    use crate::log::fuzz::damage::damaged;
 
     /// A calibration that found nothing.
     fn sound() -> Vec<u8> {

@@ -9,4 +9,5 @@ mod nees;
 mod outliers;
 mod round_trip;
 mod scenario;
+mod soak;
 mod speed;
