@@ -101,6 +101,8 @@ mod compensation;
 pub mod earth;
 mod effects;
 mod filters;
+#[cfg(feature = "std")]
+mod innovations;
 pub mod navigation;
 pub mod observability;
 mod observer;
@@ -138,6 +140,8 @@ pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
     visit_filter,
 };
+#[cfg(feature = "std")]
+pub use innovations::{ChannelInnovations, Innovations};
 pub use observer::{Observer, Updated};
 pub use sample::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Site};
 pub use signals::{Point, Signals};

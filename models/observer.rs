@@ -44,6 +44,69 @@ pub trait Observer<F: Filter<Dynamics = Strapdown>> {
 /// Nobody watches.
 impl<F: Filter<Dynamics = Strapdown>> Observer<F> for () {}
 
+/// Watches where there is somebody.
+impl<F: Filter<Dynamics = Strapdown>, O: Observer<F>> Observer<F> for Option<O> {
+    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
+        self.iter_mut().for_each(|observer| observer.predicted(transition, density));
+    }
+
+    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
+        self.iter_mut().for_each(|observer| observer.moved(kalman));
+    }
+
+    fn measured(
+        &mut self,
+        time: f64,
+        at: &Point<f64>,
+        signals: &Signals<f64>,
+        residuals: &Residuals<F, f64>,
+    ) {
+        self.iter_mut().for_each(|observer| observer.measured(time, at, signals, residuals));
+    }
+
+    fn fed_back(&mut self, correction: &Vector<F, f64>) {
+        self.iter_mut().for_each(|observer| observer.fed_back(correction));
+    }
+
+    fn updated(&mut self, update: &Updated<'_, F>) {
+        self.iter_mut().for_each(|observer| observer.updated(update));
+    }
+}
+
+/// Both watch.
+impl<F: Filter<Dynamics = Strapdown>, A: Observer<F>, B: Observer<F>> Observer<F> for (A, B) {
+    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
+        self.0.predicted(transition, density);
+        self.1.predicted(transition, density);
+    }
+
+    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
+        self.0.moved(kalman);
+        self.1.moved(kalman);
+    }
+
+    fn measured(
+        &mut self,
+        time: f64,
+        at: &Point<f64>,
+        signals: &Signals<f64>,
+        residuals: &Residuals<F, f64>,
+    ) {
+        self.0.measured(time, at, signals, residuals);
+        self.1.measured(time, at, signals, residuals);
+    }
+
+    fn fed_back(&mut self, correction: &Vector<F, f64>) {
+        self.0.fed_back(correction);
+        self.1.fed_back(correction);
+    }
+
+    fn updated(&mut self, update: &Updated<'_, F>) {
+        self.0.updated(update);
+        self.1.updated(update);
+    }
+}
+
 /// A complete update.
 pub struct Updated<'a, F: Filter> {
     /// Time of the sample, s.

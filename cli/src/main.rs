@@ -19,6 +19,7 @@ mod navigate;
 mod observe;
 mod output;
 mod paper;
+mod report;
 mod scenario;
 mod setup;
 mod simulate;
@@ -80,14 +81,14 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            report(error.as_ref());
+            complain(error.as_ref());
             ExitCode::from(1)
         }
     }
 }
 
 /// Shows an error on standard error: with colours and a frame on a terminal, as plain unbroken lines elsewhere.
-fn report(error: &dyn Diagnostic) {
+fn complain(error: &dyn Diagnostic) {
     let handler = if std::io::stderr().is_terminal() {
         let colours = std::env::var_os("NO_COLOR").is_none();
         let theme = if colours { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };

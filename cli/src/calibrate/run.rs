@@ -4,8 +4,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Result, miette};
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::{
-    Calibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter, Smoothed, Smoother,
-    Statistics, Strapdown, Ud,
+    Calibration, ChannelInnovations, Conventional, Filter, FilterVisitor, InitialAttitude, Innovations,
+    Parameter, Smoothed, Smoother, Statistics, Strapdown, Ud,
 };
 
 use super::Form;
@@ -22,6 +22,8 @@ pub(super) struct Options {
     pub(super) passes: u32,
     pub(super) form: Form,
     pub(super) smooth: bool,
+    /// Whether residuals are remembered for a report.
+    pub(super) residuals: bool,
 }
 
 /// What came of it.
@@ -40,6 +42,8 @@ pub(super) struct Outcome {
     pub(super) bridged: Bridged,
     /// The smoothed navigation solution at each update, if it was asked for.
     pub(super) smoothed: Option<Vec<Smoothed>>,
+    /// The residuals of the last pass, if they were asked for.
+    pub(super) residuals: Option<Vec<ChannelInnovations>>,
 }
 
 /// Runs the filter called `filter` over the log.
@@ -76,13 +80,17 @@ impl Run<'_> {
         let mut samples = 0_u64;
         let mut times = (0.0, 0.0);
         let mut bridged = Bridged::default();
-        let mut smoother = Smoother::<F>::default();
+        let mut observer = (None, None);
 
         let bar = progress_bar(self.log.size() * u64::from(self.options.passes));
         for pass in 0..self.options.passes {
             if pass > 0 {
                 calibration.begin_pass();
                 history.clear();
+            }
+            if pass + 1 == self.options.passes {
+                observer.0 = self.options.smooth.then(Smoother::<F>::default);
+                observer.1 = self.options.residuals.then(Innovations::<F>::default);
             }
             samples = 0;
             let mut rows = self.log.samples()?;
@@ -96,12 +104,7 @@ impl Run<'_> {
                 if samples.is_multiple_of(BAR_SAMPLES) {
                     bar.set_position(self.log.size() * u64::from(pass) + rows.position());
                 }
-                let smooth = self.options.smooth && pass + 1 == self.options.passes;
-                let update = if smooth {
-                    calibration.step_observed(&sample, &mut smoother)
-                } else {
-                    calibration.step(&sample)
-                };
+                let update = calibration.step_observed(&sample, &mut observer);
                 let update = update.map_err(|error| miette!("{}: {error}", self.log.table().display()))?;
                 if update.is_some() && history.due() {
                     history.push(sample.time, |put| {
@@ -128,7 +131,8 @@ impl Run<'_> {
             position: calibration.position(),
             velocity: calibration.navigation().velocity,
             bridged,
-            smoothed: self.options.smooth.then(|| smoother.finish()),
+            smoothed: observer.0.map(Smoother::finish),
+            residuals: observer.1.map(Innovations::finish),
         })
     }
 }

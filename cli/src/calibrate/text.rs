@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::time::Duration;
 
-use sinscal::{Parameter, Site, Smoothed};
+use sinscal::{Parameter, Site, Smoothed, Statistics};
 
 use super::run::Outcome;
 use crate::figures::{decimals, significant};
@@ -12,6 +12,11 @@ use crate::figures::{decimals, significant};
 /// NIS per degree of freedom of a filter whose model and noise agree with the data: 1, give or take what a few per cent
 /// of unmodelled noise make of it.
 const FITS: (f64, f64) = (0.8, 1.2);
+
+/// Whether the residuals are about as large as the filter says.
+pub(super) fn fits(statistics: &Statistics) -> bool {
+    (FITS.0..=FITS.1).contains(&statistics.nis_per_dof())
+}
 
 /// Whether the filter explains the data, in one line.
 pub(super) fn verdict(filter: &str, outcome: &Outcome) -> String {

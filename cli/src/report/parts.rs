@@ -1,0 +1,348 @@
+//! Sections that several subcommands have in common.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use miette::{Result, miette};
+use sha2::{Digest, Sha256};
+use sinscal::{ChannelInnovations, Parameter, StateInfo};
+
+use super::{Cell, Interval, Item, Report, Section, Table, number, text};
+use crate::draw::{Curve, Figure, Style};
+use crate::figures::{decimals, significant};
+use crate::history::History;
+use crate::log::Log;
+
+/// Half the length of the axis of a forest plot, in prior sigmas.
+const FOREST: f64 = 3.0;
+/// Half the length of the axis of normalised errors.
+const ERRORS: f64 = 4.0;
+/// Lags at which residuals are looked at for whiteness.
+const LAGS: usize = 20;
+/// What 95 % of normal numbers stay within.
+const NORMAL_95: f64 = 1.96;
+
+/// True values, where they are known.
+pub(crate) type Truth<'a> = Option<&'a dyn Fn(&StateInfo) -> f64>;
+
+/// Estimates with their intervals.
+pub(crate) fn numbers(
+    parameters: &[Parameter],
+    converged: &dyn Fn(usize) -> Option<f64>,
+    truth: Truth,
+) -> Section {
+    let mut head = vec!["parameter", "estimate", "95 % interval", "unit"];
+    if truth.is_some() {
+        head.extend(["truth", "error by sigma"]);
+    }
+    head.extend(["prior sigma", "converged after"]);
+    let row = |(i, p): (usize, &Parameter)| {
+        let info = &p.info;
+        let sheet = |value: f64| value / info.sheet_scale;
+        let digits = decimals(sheet(p.sigma));
+        let figure = |value: f64| number(format!("{value:.digits$}"));
+        let mut row = vec![text(name(info))];
+        if p.estimated {
+            let (low, high) = (p.value - NORMAL_95 * p.sigma, p.value + NORMAL_95 * p.sigma);
+            row.push(figure(sheet(p.value)));
+            row.push(number(format!("{:.digits$} to {:.digits$}", sheet(low), sheet(high))));
+        } else {
+            row.extend([number("not estimated"), number("")]);
+        }
+        row.push(text(info.sheet_unit));
+        if let Some(truth) = truth {
+            let true_value = truth(info);
+            row.push(figure(sheet(true_value)));
+            row.push(match p.estimated {
+                true => number(format!("{:+.1}", (p.value - true_value) / p.sigma)),
+                false => number(""),
+            });
+        }
+        row.push(number(significant(sheet(p.prior_sigma))));
+        row.push(match converged(i) {
+            Some(time) if p.estimated => number(format!("{time:.0} s")),
+            _ => number("\u{2013}"),
+        });
+        row
+    };
+    let rows = parameters.iter().enumerate().map(row).collect();
+    let caption = "Estimates in data-sheet units; where the data say less than the prior, no figure is given. A parameter has \
+                   converged once its sigma stays within twice its final value.";
+    Section::new("Numbers", vec![Table::new(caption, &head, rows).into()])
+}
+
+/// All estimates on one axis, in standard deviations of their priors. `centre` is where a prior's mean lies.
+pub(crate) fn forest(parameters: &[Parameter], centre: &dyn Fn(&StateInfo) -> f64, truth: Truth) -> Section {
+    let row = |p: &Parameter| {
+        let middle = centre(&p.info);
+        let place = |value: f64| 0.5 + 0.5 * (value - middle) / (FOREST * p.prior_sigma);
+        let sigmas = (p.value - middle) / p.prior_sigma;
+        let mut said = format!("{sigmas:.2} +- {} prior sigmas", significant(3.0 * p.sigma / p.prior_sigma));
+        let error = truth.map(|truth| (truth(&p.info), (p.value - truth(&p.info)) / p.sigma));
+        if let Some((true_value, _)) = error {
+            said += &format!(", truth {:.2}", (true_value - middle) / p.prior_sigma);
+        }
+        let mut row = vec![
+            text(name(&p.info)),
+            Cell::Interval(Interval {
+                prior: (place(middle - p.prior_sigma), place(middle + p.prior_sigma)),
+                interval: (place(p.value - 3.0 * p.sigma), place(p.value + 3.0 * p.sigma)),
+                estimate: place(p.value),
+                truth: error.map(|(true_value, _)| place(true_value)),
+                text: said,
+            }),
+            number(format!("{sigmas:+.2}")),
+        ];
+        if let Some((_, error)) = error {
+            let place = |error: f64| 0.5 + 0.5 * error / ERRORS;
+            row.push(Cell::Interval(Interval {
+                prior: (place(-NORMAL_95), place(NORMAL_95)),
+                interval: (place(error), place(error)),
+                estimate: place(error),
+                truth: None,
+                text: format!("error of {error:+.2} sigma"),
+            }));
+            row.push(number(format!("{error:+.2}")));
+        }
+        row
+    };
+    let mut head = vec!["parameter", "-3 to +3 prior sigmas", "estimate"];
+    let mut caption =
+        String::from("Grey: one sigma of the prior. Dot and line: the estimate with three sigmas.");
+    if truth.is_some() {
+        head.extend(["-4 to +4 sigmas of the estimate", "error"]);
+        caption +=
+            " Upright line: the truth. On the right the error over its sigma; grey holds 95 % of them.";
+    }
+    let rows = parameters.iter().map(row).collect();
+    Section::new("All parameters at a glance", vec![Table::new(caption, &head, rows).into()])
+}
+
+/// How each estimate came about, with its band of three sigmas: a figure for each effect.
+pub(crate) fn convergence(parameters: &[Parameter], history: &History, truth: Truth) -> Section {
+    let mut figures: Vec<Figure> = Vec::new();
+    for (i, p) in parameters.iter().enumerate() {
+        let info = &p.info;
+        let sheet = |value: f64| value / info.sheet_scale;
+        if figures.last().is_none_or(|figure| figure.file != info.block) {
+            let axes = ["time, s", info.sheet_unit];
+            figures.push(Figure { file: info.block, title: info.block.into(), axes, curves: Vec::new() });
+        }
+        let Some(figure) = figures.last_mut() else { continue };
+        let points = history.rows().map(|(time, row)| (time, sheet(row[i].0))).collect();
+        let band = history.rows().map(|(_, row)| sheet(3.0 * row[i].1)).collect();
+        figure.curves.push(Curve::new(info.component, Style::Full, points).with_band(band));
+        if let (Some(truth), Some((first, _)), Some((last, _))) =
+            (truth, history.rows().next(), history.rows().last())
+        {
+            let level = sheet(truth(info));
+            let points = vec![(first, level), (last, level)];
+            figure.curves.push(Curve::new(format!("{} truth", info.component), Style::Dashed, points));
+        }
+    }
+    let words = "Estimates with three sigmas. At first the axis leaves the early, wide part of the bands out: double click shows it.";
+    let mut items = vec![Item::text(words)];
+    items.extend(figures.into_iter().map(Item::from));
+    Section::new("Convergence", items)
+}
+
+/// Residuals, by what the filter said of them beforehand and in their units.
+pub(crate) fn residuals(channels: &[ChannelInnovations]) -> Section {
+    let measured: Vec<&ChannelInnovations> = channels.iter().filter(|c| c.points.len() > LAGS).collect();
+    if measured.is_empty() {
+        return Section::new("Residuals", vec![Item::text("Too few updates to look at.")]);
+    }
+    let row = |channel: &&ChannelInnovations| {
+        let bound = NORMAL_95 / (channel.points.len() as f64).sqrt();
+        let inside = |limit| number(format!("{:.1} %", 100.0 * channel.inside(limit)));
+        let white = (1..=LAGS).filter(|lag| channel.autocorrelation(*lag).abs() <= bound).count();
+        vec![
+            text(format!("{} {}", channel.group, channel.component)),
+            number(channel.points.len().to_string()),
+            number(format!("{:.3}", channel.rms())),
+            inside(1.0),
+            inside(2.0),
+            inside(3.0),
+            number(format!("{:+.3}", channel.autocorrelation(1))),
+            number(format!("{white} of {LAGS}")),
+        ]
+    };
+    let head = [
+        "channel",
+        "updates",
+        "RMS by sigma",
+        "in 1 sigma",
+        "in 2",
+        "in 3",
+        "correlation, lag 1",
+        "white lags",
+    ];
+    let caption = "Innovations of the last pass over their predicted sigma. A filter that fits: RMS 1, of them 68.3, 95.4 and \
+                   99.7 % within one, two and three sigmas, 19 of 20 lags without correlation (within 1.96 by the root of \
+                   their number).";
+    let mut items: Vec<Item> = vec![Table::new(caption, &head, measured.iter().map(row).collect()).into()];
+    for group in ["velocity", "position", "attitude"] {
+        let of_group: Vec<&ChannelInnovations> =
+            measured.iter().copied().filter(|channel| channel.group == group).collect();
+        items.extend(innovations(group, &of_group).into_iter().flatten().map(Item::from));
+    }
+    let lags = |channel: &&ChannelInnovations| {
+        let points = (1..=LAGS).map(|lag| (lag as f64, channel.autocorrelation(lag)));
+        Curve::new(format!("{} {}", channel.group, channel.component), Style::Full, points.collect())
+    };
+    let mut curves: Vec<Curve> = measured.iter().map(lags).collect();
+    let bound = NORMAL_95 / (measured[0].points.len() as f64).sqrt();
+    for (name, sign) in [("95 % bound", 1.0), ("-95 % bound", -1.0)] {
+        curves.push(Curve::new(name, Style::Dashed, vec![(1.0, sign * bound), (LAGS as f64, sign * bound)]));
+    }
+    items.push(
+        Figure {
+            file: "whiteness",
+            title: "Correlation of residuals over the updates between them".into(),
+            axes: ["updates apart", "correlation"],
+            curves,
+        }
+        .into(),
+    );
+    Section::new("Residuals", items)
+}
+
+/// Normalised and physical residuals of a group of channels.
+fn innovations(group: &str, channels: &[&ChannelInnovations]) -> Option<[Figure; 2]> {
+    let first = channels.first()?;
+    let [files, axis] = match group {
+        "velocity" => [["velocity-normalised", "velocity"], ["innovation by sigma", "innovation, m/s"]],
+        "position" => [["position-normalised", "position"], ["innovation by sigma", "innovation, m"]],
+        _ => [["attitude-normalised", "attitude"], ["innovation by sigma", "innovation, rad"]],
+    };
+    let ends = (first.points.first()?[0], first.points.last()?[0]);
+    let mut normalised: Vec<Curve> = Vec::new();
+    let mut physical: Vec<Curve> = Vec::new();
+    for channel in channels {
+        let over = |of: fn(&[f64; 3]) -> f64| channel.points.iter().map(|p| (p[0], of(p))).collect();
+        normalised.push(Curve::new(channel.component, Style::Points, over(|p| p[1] / p[2])));
+        physical.push(Curve::new(channel.component, Style::Points, over(|p| p[1])));
+    }
+    for sign in [1.0, -1.0] {
+        let name = if sign > 0.0 { "+3 sigma" } else { "-3 sigma" };
+        normalised.push(Curve::new(name, Style::Dashed, vec![(ends.0, 3.0 * sign), (ends.1, 3.0 * sign)]));
+        let bound = first.points.iter().map(|p| (p[0], 3.0 * sign * p[2])).collect();
+        physical.push(Curve::new(format!("{name} of {}", first.component), Style::Dashed, bound));
+    }
+    let figure = |file, title: String, axis, curves| Figure { file, title, axes: ["time, s", axis], curves };
+    Some([
+        figure(files[0], format!("{group}: innovations by their sigma"), axis[0], normalised),
+        figure(files[1], format!("{group}: innovations"), axis[1], physical),
+    ])
+}
+
+/// Horizontal errors of free-inertial navigation: name and track (time, east, north; s and m).
+pub(crate) fn navigation<'a>(
+    tracks: impl Iterator<Item = (&'a str, &'a [(f64, f64, f64)])> + Clone,
+) -> Section {
+    let start = |track: &[(f64, f64, f64)]| track.first().map_or(0.0, |(time, _, _)| *time);
+    let horizontal = tracks.clone().map(|(name, track)| {
+        let from = start(track);
+        let points =
+            track.iter().map(|(time, east, north)| ((time - from) / 3600.0, east.hypot(*north) / 1852.0));
+        Curve::new(name, Style::Full, points.collect())
+    });
+    let mut figures = vec![Figure {
+        file: "navigation",
+        title: "Horizontal error of free-inertial navigation".into(),
+        axes: ["time, h", "error, nautical miles"],
+        curves: horizontal.collect(),
+    }];
+    for (file, title, pick) in [("east", "Error to the east", 0), ("north", "Error to the north", 1)] {
+        let curves = tracks.clone().map(|(name, track)| {
+            let from = start(track);
+            let of =
+                |p: &(f64, f64, f64)| ((p.0 - from) / 3600.0, if pick == 0 { p.1 } else { p.2 } / 1852.0);
+            Curve::new(name, Style::Full, track.iter().map(of).collect())
+        });
+        let axes = ["time, h", "error, nautical miles"];
+        figures.push(Figure { file, title: title.into(), axes, curves: curves.collect() });
+    }
+    Section::new("Navigation", figures.into_iter().map(Item::from).collect())
+}
+
+/// Name of a parameter.
+pub(crate) fn name(info: &StateInfo) -> String {
+    format!("{} {}", info.block, info.component).trim_end().to_owned()
+}
+
+/// What a log's `NAME.truth.json` says, where there is one beside it.
+pub(crate) fn truth_beside(log: &Log) -> Result<Option<rig::Truth>> {
+    let path = log.table().with_extension("truth.json");
+    let Ok(content) = std::fs::read_to_string(&path) else { return Ok(None) };
+    let values: std::collections::BTreeMap<String, Vec<f64>> =
+        serde_json::from_str(&content).map_err(|error| {
+            miette!("{}: is not a truth that `sinscal simulate` wrote: {error}", path.display())
+        })?;
+    let mut truth = rig::Truth::default();
+    for (name, values) in values {
+        if let Some(effect) = sinscal::effect(&name) {
+            truth.insert(effect, values);
+        }
+    }
+    Ok(Some(truth))
+}
+
+impl Report {
+    /// Adds where every report comes from: program and command line.
+    pub(crate) fn with_program(mut self) -> Self {
+        let quoted = |argument: std::ffi::OsString| {
+            let argument = argument.to_string_lossy().into_owned();
+            let plain = |c: char| c.is_alphanumeric() || "-_./=,:+".contains(c);
+            if !argument.is_empty() && argument.chars().all(plain) {
+                argument
+            } else {
+                format!("'{}'", argument.replace('\'', "'\\''"))
+            }
+        };
+        let mut line = vec!["sinscal".to_owned()];
+        line.extend(std::env::args_os().skip(1).map(quoted));
+        self.origin.push(("command".into(), line.join(" ")));
+        self.origin.push(("program".into(), concat!("sinscal ", env!("CARGO_PKG_VERSION")).into()));
+        self
+    }
+
+    /// Adds a log: its files with their SHA-256, and its description in full.
+    pub(crate) fn with_log(mut self, log: &Log) -> Self {
+        self = self.with_file("log", log.table());
+        let description = log.table().with_extension("toml");
+        if let Ok(content) = std::fs::read_to_string(&description) {
+            self = self.with_file("description", &description);
+            self.attachments.push((description.display().to_string(), content));
+        }
+        self
+    }
+
+    /// Adds a file that was read, with its SHA-256.
+    pub(crate) fn with_file(mut self, what: &str, path: &Path) -> Self {
+        if let Ok(sum) = sha256(path) {
+            self.origin.push((what.into(), format!("{}, SHA-256 {sum}", path.display())));
+        }
+        self
+    }
+
+    /// Adds a setting.
+    pub(crate) fn with(mut self, name: &str, value: impl Into<String>) -> Self {
+        self.origin.push((name.into(), value.into()));
+        self
+    }
+}
+
+fn sha256(path: &Path) -> io::Result<String> {
+    let mut file = File::open(path)?;
+    let mut sum = Sha256::new();
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        let read = file.read(&mut buffer)?;
+        if read == 0 {
+            return Ok(sum.finalize().iter().map(|byte| format!("{byte:02x}")).collect());
+        }
+        sum.update(&buffer[..read]);
+    }
+}
