@@ -39,22 +39,27 @@
     const series = [{ label: figure.axes[0], value: (_, v) => number(v) }];
     const bands = [];
     const followers = {};
+    let banded = null;
     for (const curve of figure.curves) {
-      const stroke = () => colour("--c" + curve.colour);
+      const name = curve.style === "bound" ? "--soft" : "--c" + curve.colour;
+      const stroke = () => colour(name);
       const points = curve.style === "points";
       const at = series.length;
+      // the truth goes with its estimate
+      if (banded !== null && curve.style === "dashed") followers[banded].push(at);
       series.push({
-        label: curve.name, stroke, width: points ? 0 : 1.6, dash: curve.style === "dashed" ? [6, 4] : undefined,
+        label: curve.name, stroke, width: points ? 0 : 1.6, dash: curve.style === "dashed" || curve.style === "bound" ? [6, 4] : undefined,
         spanGaps: true, value: (_, v) => number(v), paths: points ? () => null : undefined,
         points: points ? { show: true, size: 3, fill: stroke, width: 0 } : { show: false },
       });
       if (curve.band) {
-        const edge = () => alpha(colour("--c" + curve.colour), 0.55);
+        banded = at;
+        const edge = () => alpha(colour(name), 0.55);
         followers[at] = [at + 1, at + 2];
         for (const sign of ["+", "\u2212"]) {
           series.push({ label: curve.name + " " + sign, stroke: edge, width: 0.8, spanGaps: true, points: { show: false } });
         }
-        bands.push({ series: [at + 1, at + 2], fill: () => alpha(colour("--c" + curve.colour), 0.13) });
+        bands.push({ series: [at + 1, at + 2], fill: () => alpha(colour(name), 0.13) });
       }
     }
     const range = (plot, low, high) => {
@@ -74,7 +79,7 @@
       width: holder.clientWidth, height: 280, series, bands, axes: [x, y],
       scales: { x: { time: false }, y: { range } },
       cursor: { sync: { key: figure.axes[0] }, drag: { x: true, y: false }, points: { size: 7 } },
-      legend: { live: true },
+      legend: { markers: { fill: (plot, at) => plot.series[at].width === 0 ? plot.series[at].points.fill(plot, at) : null } },
       hooks: {
         // the edges of a band go with its curve
         setSeries: [(plot, at, options) => {
@@ -85,6 +90,10 @@
     }, data, holder);
     const rows = holder.querySelectorAll(".u-series");
     for (const pair of Object.values(followers)) for (const at of pair) rows[at].style.display = "none";
+    plot.over.addEventListener("dblclick", () => {
+      plot.everything = !plot.everything;
+      plot.setScale("x", { min: all[0], max: all[1] });
+    });
     plots.push({ plot, holder });
   };
 

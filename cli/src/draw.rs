@@ -15,6 +15,10 @@ use crate::output::Files;
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"];
 /// A curve is drawn with at most this many points; the numbers beside it are complete.
 const DRAWN: usize = 1200;
+/// Colour of bounds.
+const GREY: &str = "#59616b";
+/// Where there are bands, which begin as wide as the prior, a figure shows at first what is left after this part of it.
+const SETTLED: f64 = 0.4;
 
 /// A curve.
 #[derive(Clone)]
@@ -35,6 +39,8 @@ pub(crate) enum Style {
     Dashed,
     /// Points without a line, in a colour of their own.
     Points,
+    /// A dashed grey line: a bound, a level.
+    Bound,
 }
 
 impl Curve {
@@ -108,6 +114,7 @@ impl Figure {
                 Style::Full => "full",
                 Style::Dashed => "dashed",
                 Style::Points => "points",
+                Style::Bound => "bound",
             };
             curves.push(json!({
                 "name": curve.name, "style": style, "colour": colour, "x": at, "y": y, "band": band,
@@ -118,11 +125,11 @@ impl Figure {
         })
     }
 
-    /// Colours of the curves, as places in the list of them.
+    /// Colours of the curves, as places in the list of them. Bounds take none of them.
     fn colours(&self) -> Vec<usize> {
         let mut colour = COLOURS.len() - 1;
         let next = |curve: &Curve| {
-            if curve.style != Style::Dashed {
+            if matches!(curve.style, Style::Full | Style::Points) {
                 colour = (colour + 1) % COLOURS.len();
             }
             colour
@@ -130,7 +137,7 @@ impl Figure {
         self.curves.iter().map(next).collect()
     }
 
-    /// What to show of the y axis at first: all curves, but of bands, which begin as wide as the prior, the later half.
+    /// What to show of the y axis at first.
     fn view(&self) -> Option<[f64; 2]> {
         let banded = self.curves.iter().any(|curve| curve.band.is_some());
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
@@ -140,17 +147,14 @@ impl Figure {
             }
         };
         for curve in &self.curves {
-            for (i, (_, y)) in curve.points.iter().enumerate() {
-                take(*y);
-                if let Some(half) = curve.band.as_ref().and_then(|band| band.get(i))
-                    && 2 * i >= curve.points.len()
-                {
-                    take(y - half);
-                    take(y + half);
-                }
+            let settled = (SETTLED * curve.points.len() as f64) as usize;
+            for (i, (_, y)) in curve.points.iter().enumerate().skip(settled) {
+                let half = curve.band.as_ref().and_then(|band| band.get(i)).copied().unwrap_or(0.0);
+                take(y - half);
+                take(y + half);
             }
         }
-        let margin = 0.05 * (range[1] - range[0]);
+        let margin = 0.15 * (range[1] - range[0]);
         (banded && margin > 0.0).then(|| [range[0] - margin, range[1] + margin])
     }
 
@@ -159,20 +163,21 @@ impl Figure {
         let view = self.view();
         let seen = |y: f64| view.map_or(y, |[low, high]| y.clamp(low, high));
         for (curve, colour) in self.curves.iter().zip(self.colours()) {
-            let points = curve.drawn().map(|(x, y, _)| (x, y));
+            let colour = if curve.style == Style::Bound { GREY } else { COLOURS[colour] };
+            let points = curve.drawn().map(|(x, y, _)| (x, seen(y)));
             if curve.style == Style::Points {
-                let scatter = ScatterPlot::new().with_data(points).with_color(COLOURS[colour]).with_size(1.5);
+                let scatter = ScatterPlot::new().with_data(points).with_color(colour).with_size(1.5);
                 plots.push(Plot::Scatter(scatter.with_legend(curve.name.clone())));
                 continue;
             }
             let mut line =
-                LinePlot::new().with_data(points).with_color(COLOURS[colour]).with_legend(curve.name.clone());
+                LinePlot::new().with_data(points).with_color(colour).with_legend(curve.name.clone());
             if curve.band.is_some() {
                 let edge = |sign: f64| curve.drawn().map(move |(_, y, half)| seen(y + sign * half));
                 line = line.with_band(edge(-1.0), edge(1.0));
             }
             plots.push(Plot::Line(match curve.style {
-                Style::Dashed => line.with_stroke_width(1.2).with_dashed(),
+                Style::Dashed | Style::Bound => line.with_stroke_width(1.2).with_dashed(),
                 _ => line.with_stroke_width(1.6),
             }));
         }

@@ -122,7 +122,7 @@ fn singular_values(analysis: &Analysis) -> Section {
         axes: ["number", "log10, sigmas of a reading"],
         curves: vec![
             Curve::new("singular value", Style::Points, points),
-            Curve::new("tolerance", Style::Dashed, level(TOLERANCE)),
+            Curve::new("tolerance", Style::Bound, level(TOLERANCE)),
         ],
     };
     Section::new("Singular values", vec![figure.into()])

@@ -14,8 +14,8 @@ use crate::figures::{decimals, significant};
 use crate::history::History;
 use crate::log::Log;
 
-/// Half the length of the axis of a forest plot, in prior sigmas.
-const FOREST: f64 = 3.0;
+/// Half the length of the axis of a forest plot, in prior sigmas, at least and at most.
+const FOREST: [f64; 2] = [0.1, 3.0];
 /// Half the length of the axis of normalised errors.
 const ERRORS: f64 = 4.0;
 /// Lags at which residuals are looked at for whiteness.
@@ -74,9 +74,16 @@ pub(crate) fn numbers(
 
 /// All estimates on one axis, in standard deviations of their priors. `centre` is where a prior's mean lies.
 pub(crate) fn forest(parameters: &[Parameter], centre: &dyn Fn(&StateInfo) -> f64, truth: Truth) -> Section {
+    let reach = |p: &Parameter| {
+        let truth = truth.map_or(p.value, |truth| truth(&p.info));
+        let off = |value: f64| (value - centre(&p.info)).abs();
+        off(p.value).max(off(truth)) / p.prior_sigma
+    };
+    let half = 1.1 * parameters.iter().filter(|p| p.estimated).map(reach).fold(0.0, f64::max);
+    let half = half.clamp(FOREST[0], FOREST[1]);
     let row = |p: &Parameter| {
         let middle = centre(&p.info);
-        let place = |value: f64| 0.5 + 0.5 * (value - middle) / (FOREST * p.prior_sigma);
+        let place = |value: f64| 0.5 + 0.5 * (value - middle) / (half * p.prior_sigma);
         let sigmas = (p.value - middle) / p.prior_sigma;
         let mut said = format!("{sigmas:.2} +- {} prior sigmas", significant(3.0 * p.sigma / p.prior_sigma));
         let error = truth.map(|truth| (truth(&p.info), (p.value - truth(&p.info)) / p.sigma));
@@ -107,7 +114,8 @@ pub(crate) fn forest(parameters: &[Parameter], centre: &dyn Fn(&StateInfo) -> f6
         }
         row
     };
-    let mut head = vec!["parameter", "-3 to +3 prior sigmas", "estimate"];
+    let axis = format!("-{half:.2} to +{half:.2} prior sigmas");
+    let mut head = vec!["parameter", axis.as_str(), "estimate"];
     let mut caption =
         String::from("Grey: one sigma of the prior. Dot and line: the estimate with three sigmas.");
     if truth.is_some() {
@@ -141,7 +149,11 @@ pub(crate) fn convergence(parameters: &[Parameter], history: &History, truth: Tr
             figure.curves.push(Curve::new(format!("{} truth", info.component), Style::Dashed, points));
         }
     }
-    let words = "Estimates with three sigmas. At first the axis leaves the early, wide part of the bands out: double click shows it.";
+    let mut words = String::from("Estimates with three sigmas of the last pass. The axis shows what is left when the wide beginning is over; a double click \
+                 shows everything, a drag what it spans.");
+    if truth.is_some() {
+        words += " Dashed: the truth.";
+    }
     let mut items = vec![Item::text(words)];
     items.extend(figures.into_iter().map(Item::from));
     Section::new("Convergence", items)
@@ -194,7 +206,7 @@ pub(crate) fn residuals(channels: &[ChannelInnovations]) -> Section {
     let mut curves: Vec<Curve> = measured.iter().map(lags).collect();
     let bound = NORMAL_95 / (measured[0].points.len() as f64).sqrt();
     for (name, sign) in [("95 % bound", 1.0), ("-95 % bound", -1.0)] {
-        curves.push(Curve::new(name, Style::Dashed, vec![(1.0, sign * bound), (LAGS as f64, sign * bound)]));
+        curves.push(Curve::new(name, Style::Bound, vec![(1.0, sign * bound), (LAGS as f64, sign * bound)]));
     }
     items.push(
         Figure {
@@ -226,10 +238,11 @@ fn innovations(group: &str, channels: &[&ChannelInnovations]) -> Option<[Figure;
     }
     for sign in [1.0, -1.0] {
         let name = if sign > 0.0 { "+3 sigma" } else { "-3 sigma" };
-        normalised.push(Curve::new(name, Style::Dashed, vec![(ends.0, 3.0 * sign), (ends.1, 3.0 * sign)]));
-        let bound = first.points.iter().map(|p| (p[0], 3.0 * sign * p[2])).collect();
-        physical.push(Curve::new(format!("{name} of {}", first.component), Style::Dashed, bound));
+        normalised.push(Curve::new(name, Style::Bound, vec![(ends.0, 3.0 * sign), (ends.1, 3.0 * sign)]));
     }
+    let zero = first.points.iter().map(|p| (p[0], 0.0)).collect();
+    let band = first.points.iter().map(|p| 3.0 * p[2]).collect();
+    physical.push(Curve::new(format!("3 sigma of {}", first.component), Style::Bound, zero).with_band(band));
     let figure = |file, title: String, axis, curves| Figure { file, title, axes: ["time, s", axis], curves };
     Some([
         figure(files[0], format!("{group}: innovations by their sigma"), axis[0], normalised),
