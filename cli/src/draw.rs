@@ -77,7 +77,7 @@ impl Curve {
 #[derive(Clone)]
 pub(crate) struct Figure {
     /// Names of the files, without ending.
-    pub(crate) file: &'static str,
+    pub(crate) file: String,
     pub(crate) title: String,
     /// Axes with their units.
     pub(crate) axes: [&'static str; 2],
@@ -85,14 +85,10 @@ pub(crate) struct Figure {
 }
 
 impl Figure {
-    /// Writes `FILE.svg` to a folder.
-    pub(crate) fn draw(&self, files: &mut Files, folder: &Path) -> Result<()> {
-        files.write(&folder.join(format!("{}.svg", self.file)), |out| out.write_all(self.svg().as_bytes()))
-    }
-
     /// Writes `FILE.svg` and `FILE.csv` to a folder.
     pub(crate) fn write(&self, files: &mut Files, folder: &Path) -> Result<()> {
-        self.draw(files, folder)?;
+        files
+            .write(&folder.join(format!("{}.svg", self.file)), |out| out.write_all(self.svg().as_bytes()))?;
         files.write(&folder.join(format!("{}.csv", self.file)), |out| self.csv(out))
     }
 
@@ -234,7 +230,7 @@ mod tests {
             )
         };
         let figure = Figure {
-            file: "two-lines",
+            file: "two-lines".into(),
             title: "Two lines".into(),
             axes: ["time, s", "way, m"],
             curves: vec![curve(Style::Full, 1.0), curve(Style::Dashed, 2.0)],

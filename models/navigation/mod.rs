@@ -121,7 +121,8 @@ impl<F: Filter<Dynamics = Strapdown>> FreeInertial<F> {
         let mut lever = setup.outer_lever;
         let (mut i, mut axis) = (0, 0);
         F::states(&mut |info| {
-            if info.block == "outer-lever-arm" {
+            // a filter with candidates may have the block twice: the first counts
+            if info.block == "outer-lever-arm" && axis < 3 {
                 lever[axis] += parameters[i];
                 axis += 1;
             }

@@ -44,7 +44,7 @@ pub(super) fn report(log: &Log, filter: &FilterInfo, options: Options, outcome: 
         parts::forest(parameters, &centre, truth),
         parts::convergence(parameters, history, truth),
     ];
-    sections.extend(outcome.residuals.as_deref().map(parts::residuals));
+    sections.extend(outcome.residuals.as_deref().map(|channels| parts::residuals("Residuals", "", channels)));
     sections.push(Inputs::of(log)?.section());
     let report = Report {
         title: format!("Calibration of {} with {}", log.table().display(), filter.name),

@@ -117,7 +117,7 @@ fn singular_values(analysis: &Analysis) -> Section {
     let points = points.map(|(i, value)| ((i + 1) as f64, value.log10())).collect();
     let level = |y: f64| vec![(1.0, y.log10()), (values.len() as f64, y.log10())];
     let figure = Figure {
-        file: "singular-values",
+        file: "singular-values".into(),
         title: "Singular values, decimal logarithm".into(),
         axes: ["number", "log10, sigmas of a reading"],
         curves: vec![

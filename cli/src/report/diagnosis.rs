@@ -15,7 +15,7 @@ pub(crate) fn report(found: &Diagnosis, title: String) -> Report {
     let mut facts = Vec::new();
     if let Some(effect) = found.effects.first() {
         let names: Vec<&str> = found.effects.iter().map(|effect| effect.name.as_str()).collect();
-        facts.push(("missing".into(), names.join(" + ")));
+        facts.push(("missing".into(), names.join(", ")));
         facts.push(("log-likelihood gained".into(), format!("{:.1}", effect.log_likelihood_gain)));
     }
     if let Some(gap) = gap {
@@ -114,12 +114,11 @@ fn before_and_after(found: &Diagnosis) -> Option<Section> {
             let bar = |value: f64| Cell::Bar(value / largest, significant(value));
             rows.push(vec![text(log), text(what), bar(before), bar(after)]);
         }
-        let gained = gap.log_likelihood_after - gap.log_likelihood_before;
         rows.push(vec![
             text(log),
-            text("log-likelihood gained; priced beforehand"),
-            text(format!("{gained:+.1}")),
-            text(format!("{:+.1}", gap.log_likelihood_gain_priced)),
+            text(format!("log-likelihood (its gain was priced as {:+.1})", gap.log_likelihood_gain_priced)),
+            text(format!("{:.1}", gap.log_likelihood_before)),
+            text(format!("{:.1}", gap.log_likelihood_after)),
         ]);
     }
     let caption = "Both filters really run, closed loop, on the fitted noise. A filter that lacks nothing has an RMS of 1.";
@@ -158,7 +157,7 @@ fn map(found: &Diagnosis) -> Option<Section> {
         let points = found.evidence.iter().map(|evidence| (evidence.time_s, evidence.gain)).collect();
         items.push(
             Figure {
-                file: "evidence",
+                file: "evidence".into(),
                 title: "How the evidence grew".into(),
                 axes: ["time, s", "log-likelihood gained"],
                 curves: vec![Curve::new("gain so far", Style::Full, points)],
@@ -167,6 +166,12 @@ fn map(found: &Diagnosis) -> Option<Section> {
         );
     }
     Some(Section::new("Where it shows", items))
+}
+
+/// A number to a tenth, its zero without a sign.
+fn tenths(number: f64) -> String {
+    let text = format!("{number:.1}");
+    if text == "-0.0" { "0.0".into() } else { text }
 }
 
 /// Every candidate against what was chosen.
@@ -182,11 +187,11 @@ fn rivals(found: &Diagnosis) -> Option<Section> {
         let member = chosen(rival);
         vec![
             text(if member { format!("{} (chosen)", rival.name) } else { rival.name.clone() }),
-            Cell::Bar(rival.gain_alone / largest, format!("{:.1}", rival.gain_alone)),
-            number(format!("{:.1}", rival.gain_on_top)),
-            number(if member { "\u{2013}".into() } else { format!("{:.1}", rival.chosen_on_top) }),
-            number(format!("{:.1}", -rival.log10_p_before)),
-            number(if member { "\u{2013}".into() } else { format!("{:.1}", -rival.log10_p_after) }),
+            Cell::Bar(rival.gain_alone / largest, tenths(rival.gain_alone)),
+            number(tenths(rival.gain_on_top)),
+            number(if member { "\u{2013}".into() } else { tenths(rival.chosen_on_top) }),
+            number(tenths(-rival.log10_p_before)),
+            number(if member { "\u{2013}".into() } else { tenths(-rival.log10_p_after) }),
             number(significant(rival.excitation)),
         ]
     };

@@ -100,7 +100,7 @@ mod tests {
 
     fn report(text: &str) -> Report {
         let figure = Figure {
-            file: "one",
+            file: "one".into(),
             title: text.into(),
             axes: ["time, s", "ppm"],
             curves: vec![

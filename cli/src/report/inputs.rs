@@ -154,7 +154,7 @@ impl Inputs {
 
 fn figure(file: &'static str, title: &str, axis: &'static str, curves: Vec<Vec<Curve>>) -> Figure {
     let curves = curves.into_iter().flatten().collect();
-    Figure { file, title: title.into(), axes: ["time, s", axis], curves }
+    Figure { file: file.into(), title: title.into(), axes: ["time, s", axis], curves }
 }
 
 #[cfg(test)]

@@ -135,7 +135,12 @@ pub(crate) fn convergence(parameters: &[Parameter], history: &History, truth: Tr
         let sheet = |value: f64| value / info.sheet_scale;
         if figures.last().is_none_or(|figure| figure.file != info.block) {
             let axes = ["time, s", info.sheet_unit];
-            figures.push(Figure { file: info.block, title: info.block.into(), axes, curves: Vec::new() });
+            figures.push(Figure {
+                file: info.block.into(),
+                title: info.block.into(),
+                axes,
+                curves: Vec::new(),
+            });
         }
         let Some(figure) = figures.last_mut() else { continue };
         let points = history.rows().map(|(time, row)| (time, sheet(row[i].0))).collect();
@@ -149,8 +154,10 @@ pub(crate) fn convergence(parameters: &[Parameter], history: &History, truth: Tr
             figure.curves.push(Curve::new(format!("{} truth", info.component), Style::Dashed, points));
         }
     }
-    let mut words = String::from("Estimates with three sigmas of the last pass. The axis shows what is left when the wide beginning is over; a double click \
-                 shows everything, a drag what it spans.");
+    let mut words = String::from(
+        "Estimates with three sigmas of the last pass. The axis shows what is left when the wide beginning is over; a double click \
+                 shows everything, a drag what it spans.",
+    );
     if truth.is_some() {
         words += " Dashed: the truth.";
     }
@@ -160,10 +167,11 @@ pub(crate) fn convergence(parameters: &[Parameter], history: &History, truth: Tr
 }
 
 /// Residuals, by what the filter said of them beforehand and in their units.
-pub(crate) fn residuals(channels: &[ChannelInnovations]) -> Section {
+/// Names of files begin with `prefix`.
+pub(crate) fn residuals(title: &str, prefix: &str, channels: &[ChannelInnovations]) -> Section {
     let measured: Vec<&ChannelInnovations> = channels.iter().filter(|c| c.points.len() > LAGS).collect();
     if measured.is_empty() {
-        return Section::new("Residuals", vec![Item::text("Too few updates to look at.")]);
+        return Section::new(title, vec![Item::text("Too few updates to look at.")]);
     }
     let row = |channel: &&ChannelInnovations| {
         let bound = NORMAL_95 / (channel.points.len() as f64).sqrt();
@@ -197,7 +205,7 @@ pub(crate) fn residuals(channels: &[ChannelInnovations]) -> Section {
     for group in ["velocity", "position", "attitude"] {
         let of_group: Vec<&ChannelInnovations> =
             measured.iter().copied().filter(|channel| channel.group == group).collect();
-        items.extend(innovations(group, &of_group).into_iter().flatten().map(Item::from));
+        items.extend(innovations(group, prefix, &of_group).into_iter().flatten().map(Item::from));
     }
     let lags = |channel: &&ChannelInnovations| {
         let points = (1..=LAGS).map(|lag| (lag as f64, channel.autocorrelation(lag)));
@@ -210,18 +218,18 @@ pub(crate) fn residuals(channels: &[ChannelInnovations]) -> Section {
     }
     items.push(
         Figure {
-            file: "whiteness",
+            file: format!("{prefix}whiteness"),
             title: "Correlation of residuals over the updates between them".into(),
             axes: ["updates apart", "correlation"],
             curves,
         }
         .into(),
     );
-    Section::new("Residuals", items)
+    Section::new(title, items)
 }
 
 /// Normalised and physical residuals of a group of channels.
-fn innovations(group: &str, channels: &[&ChannelInnovations]) -> Option<[Figure; 2]> {
+fn innovations(group: &str, prefix: &str, channels: &[&ChannelInnovations]) -> Option<[Figure; 2]> {
     let first = channels.first()?;
     let [files, axis] = match group {
         "velocity" => [["velocity-normalised", "velocity"], ["innovation by sigma", "innovation, m/s"]],
@@ -243,7 +251,12 @@ fn innovations(group: &str, channels: &[&ChannelInnovations]) -> Option<[Figure;
     let zero = first.points.iter().map(|p| (p[0], 0.0)).collect();
     let band = first.points.iter().map(|p| 3.0 * p[2]).collect();
     physical.push(Curve::new(format!("3 sigma of {}", first.component), Style::Bound, zero).with_band(band));
-    let figure = |file, title: String, axis, curves| Figure { file, title, axes: ["time, s", axis], curves };
+    let figure = |file: &str, title: String, axis, curves| Figure {
+        file: format!("{prefix}{file}"),
+        title,
+        axes: ["time, s", axis],
+        curves,
+    };
     Some([
         figure(files[0], format!("{group}: innovations by their sigma"), axis[0], normalised),
         figure(files[1], format!("{group}: innovations"), axis[1], physical),
@@ -262,7 +275,7 @@ pub(crate) fn navigation<'a>(
         Curve::new(name, Style::Full, points.collect())
     });
     let mut figures = vec![Figure {
-        file: "navigation",
+        file: "navigation".into(),
         title: "Horizontal error of free-inertial navigation".into(),
         axes: ["time, h", "error, nautical miles"],
         curves: horizontal.collect(),
@@ -275,7 +288,7 @@ pub(crate) fn navigation<'a>(
             Curve::new(name, Style::Full, track.iter().map(of).collect())
         });
         let axes = ["time, h", "error, nautical miles"];
-        figures.push(Figure { file, title: title.into(), axes, curves: curves.collect() });
+        figures.push(Figure { file: file.into(), title: title.into(), axes, curves: curves.collect() });
     }
     Section::new("Navigation", figures.into_iter().map(Item::from).collect())
 }
@@ -336,6 +349,20 @@ impl Report {
     pub(crate) fn with_file(mut self, what: &str, path: &Path) -> Self {
         if let Ok(sum) = sha256(path) {
             self.origin.push((what.into(), format!("{}, SHA-256 {sum}", path.display())));
+        }
+        self
+    }
+
+    /// Adds a scenario in full, the default one where no file is given.
+    pub(crate) fn with_scenario(mut self, path: Option<&Path>) -> Self {
+        match path {
+            Some(path) => {
+                self = self.with_file("scenario", path);
+                if let Ok(content) = std::fs::read_to_string(path) {
+                    self.attachments.push((path.display().to_string(), content));
+                }
+            }
+            None => self.attachments.push(("default scenario".into(), rig::DEFAULT_SCENARIO.into())),
         }
         self
     }
