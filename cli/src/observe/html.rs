@@ -76,15 +76,16 @@ pub(crate) fn words(analysis: &Analysis) -> Section {
 /// Degrees of observability as a map: states by time spans (Fig. 5 of the paper).
 pub(crate) fn degrees(analysis: &Analysis) -> Section {
     let shade = |degree: f64| (degree / SHADES[0]).log10() / (SHADES[1] / SHADES[0]).log10();
-    let figure = |degree: f64| match degree >= 1e5 {
-        true => format!("{degree:.0e}"),
-        false => significant(degree),
+    let figure = |degree: f64| match degree {
+        large if large >= 1e4 => format!("{large:.0e}"),
+        small if small < 0.01 => "< 0.01".into(),
+        degree => significant(degree),
     };
     let head: Vec<String> =
         analysis.spans.windows(2).map(|pair| format!("{:.0} to {:.0} s", pair[0], pair[1])).collect();
     let mut names = vec!["state"];
     names.extend(head.iter().map(String::as_str));
-    names.extend(["whole log", "prior sigma", "to expect", "unit", "sigma left of the prior's"]);
+    names.extend(["whole log", "prior sigma", "to expect", "unit", "left of the prior"]);
     let row = |state: &super::analysis::State| {
         let info = &state.info;
         let sheet = |sigma: f64| significant(sigma / info.sheet_scale);
@@ -97,8 +98,8 @@ pub(crate) fn degrees(analysis: &Analysis) -> Section {
         row.push(number(state.expected_sigma.map_or("\u{2013}".into(), sheet)));
         row.push(text(info.sheet_unit));
         row.push(match state.expected_sigma.map(|sigma| sigma / state.prior_sigma) {
-            Some(left) => Cell::Bar(left, format!("{:.1} %", 100.0 * left)),
-            None => text(""),
+            Some(left) => number(format!("{} %", significant(100.0 * left))),
+            None => number(""),
         });
         row
     };

@@ -128,10 +128,15 @@ pub(crate) fn number(text: impl Into<String>) -> Cell {
 }
 
 impl Report {
+    /// Writes the page alone.
+    pub(crate) fn write_page(&self, files: &mut Files, path: &Path) -> Result<()> {
+        let html = html::render(self)?;
+        files.write(path, |file| file.write_all(html.as_bytes()))
+    }
+
     /// Writes `report.html` to a folder, and its figures as SVG and CSV to `figures/`.
     pub(crate) fn write(&self, files: &mut Files, folder: &Path) -> Result<()> {
-        let html = html::render(self)?;
-        files.write(&folder.join("report.html"), |file| file.write_all(html.as_bytes()))?;
+        self.write_page(files, &folder.join("report.html"))?;
         let items = self.sections.iter().flat_map(|section| &section.items);
         let figures: Vec<&Figure> = items
             .filter_map(|item| match item {
