@@ -54,6 +54,7 @@ pub(crate) fn navigation(summary: &Summary, results: &[UnitResult]) -> Section {
                 interval: (errors.p25 / end, errors.p75 / end),
                 estimate: errors.p50 / end,
                 truth: None,
+                mark: None,
                 text: format!("median {:.3} nautical miles", miles(errors.p50)),
             }),
             figure(errors.p05),
@@ -135,7 +136,7 @@ pub(crate) fn parameters(filter: &FilterSummary) -> Section {
             text(unit),
             number(format!("{:.2}", parameter.nees)),
         ];
-        let inside = parameter.coverage.iter().map(|part| Cell::Bar(*part, format!("{:.0} %", 100.0 * part)));
+        let inside = parameter.coverage.iter().map(|part| number(format!("{:.0} %", 100.0 * part)));
         row.extend(inside);
         row.push(number(format!("{:.0} s", parameter.converged_s)));
         row

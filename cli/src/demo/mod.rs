@@ -90,10 +90,11 @@ fn text(story: &Story, out: &Path, seconds: f64) -> String {
     if let (Some(rival), false) =
         (found.rivals.iter().find(|rival| !mine(&rival.name)), found.effects.is_empty())
     {
+        let (its, ours) = (rival.gain_on_top, rival.chosen_on_top);
         let _ = writeln!(
             text,
-            "rejected: {}, it gains {:.1} of log-likelihood on top of what was found, which gains {:.1} on top of it",
-            rival.name, rival.gain_on_top, rival.chosen_on_top
+            "nearest rival: {}, gains {its:.1} of log-likelihood on top of what was found, which gains {ours:.1} on top of it",
+            rival.name
         );
     }
     if let Some(after) = &story.after {

@@ -139,14 +139,12 @@ fn scenario(hidden: &'static EffectInfo, base: &str) -> Result<Scenario> {
         let sigma = size.iter().map(|size| 0.5 * size).collect();
         scenario.population.push(Population { effect: hidden, mean: size, sigma });
     }
-    scenario.motion.still = 150.0;
-    scenario.motion.dwell = 80.0;
     scenario.dither.mode =
         if hidden.name() == "dither-size-effect" { DitherMode::Mean } else { DitherMode::Off };
-    scenario.dither.period = 1500.0;
+    scenario.dither.period = 3000.0;
     scenario.dither.change = 0.3;
     scenario.temperature.profile =
-        TemperatureProfile::Ramps(vec![(0.0, 20.0), (700.0, 38.0), (1300.0, 30.0), (2000.0, 33.0)]);
+        TemperatureProfile::Ramps(vec![(0.0, 20.0), (1400.0, 38.0), (2600.0, 30.0), (4000.0, 33.0)]);
     Ok(scenario)
 }
 
@@ -156,7 +154,7 @@ fn again(scenario: &Scenario) -> Scenario {
     scenario.run = 1;
     scenario.motion.path = Path::NineteenPositions;
     scenario.temperature.profile =
-        TemperatureProfile::Ramps(vec![(0.0, 33.0), (500.0, 22.0), (1200.0, 36.0), (2000.0, 24.0)]);
+        TemperatureProfile::Ramps(vec![(0.0, 33.0), (1000.0, 22.0), (2400.0, 36.0), (4000.0, 24.0)]);
     scenario
 }
 

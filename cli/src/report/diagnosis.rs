@@ -253,6 +253,7 @@ pub(crate) fn against_truth(found: &Diagnosis, truth: &rig::Truth) -> Section {
                     interval: (0.5 + error / 8.0, 0.5 + error / 8.0),
                     estimate: 0.5 + error / 8.0,
                     truth: None,
+                    mark: Some(0.5),
                     text: format!("error of {error:+.2} sigma"),
                 }),
             ]);

@@ -82,12 +82,13 @@ fn cell(cell: &Cell) -> Value {
         Cell::Heat(part, text) => {
             context! { kind => "heat", part => percent(*part), strong => *part > 0.5, text }
         }
-        Cell::Interval(Interval { prior, interval, estimate, truth, text }) => context! {
+        Cell::Interval(Interval { prior, interval, estimate, truth, mark, text }) => context! {
             kind => "interval", text,
             prior => [percent(prior.0), percent(prior.1 - prior.0)],
             interval => [percent(interval.0), percent(interval.1 - interval.0)],
             estimate => percent(*estimate),
             truth => truth.map(percent),
+            mark => mark.map(percent),
         },
     }
 }

@@ -84,6 +84,8 @@ pub(crate) struct Interval {
     pub(crate) interval: (f64, f64),
     pub(crate) estimate: f64,
     pub(crate) truth: Option<f64>,
+    /// A line across all rows, such as where nothing is.
+    pub(crate) mark: Option<f64>,
     pub(crate) text: String,
 }
 

@@ -97,6 +97,7 @@ pub(crate) fn forest(parameters: &[Parameter], centre: &dyn Fn(&StateInfo) -> f6
                 interval: (place(p.value - 3.0 * p.sigma), place(p.value + 3.0 * p.sigma)),
                 estimate: place(p.value),
                 truth: error.map(|(true_value, _)| place(true_value)),
+                mark: Some(0.5),
                 text: said,
             }),
             number(format!("{sigmas:+.2}")),
@@ -108,6 +109,7 @@ pub(crate) fn forest(parameters: &[Parameter], centre: &dyn Fn(&StateInfo) -> f6
                 interval: (place(error), place(error)),
                 estimate: place(error),
                 truth: None,
+                mark: Some(0.5),
                 text: format!("error of {error:+.2} sigma"),
             }));
             row.push(number(format!("{error:+.2}")));
