@@ -18,8 +18,10 @@ use crate::report::inputs::Inputs;
 
 /// How the unit is moved in the two runs, in words.
 pub(super) const PATHS: [&str; 2] = ["on 18 rotations", "on 19 positions, warmed otherwise"];
-/// Sampling rate, Hz: what the turns need, and no more.
+/// Sampling rate of the two runs, Hz: what the turns need, and no more.
 const RATE: f64 = 25.0;
+/// Sampling rate of the swing, Hz: at half of it, what is lost of the coning outweighs a good calibration.
+const SWING_RATE: f64 = 50.0;
 /// Hours of navigation.
 const HOURS: f64 = 4.0;
 /// Alignment before it, s.
@@ -169,6 +171,7 @@ fn swing(scenario: &Scenario, seed: u64) -> Result<Run> {
         motion: Plan::paper_swing().map_err(|error| miette!("{error}"))?,
     };
     plan.scenario.run = 1;
+    plan.scenario.rate = SWING_RATE;
     Run::new(&plan.navigation(), seed)
 }
 
