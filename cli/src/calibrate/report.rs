@@ -8,11 +8,11 @@ use super::text;
 use crate::figures::significant;
 use crate::log::Log;
 use crate::report::inputs::Inputs;
-use crate::report::{Report, Tone, parts};
+use crate::report::{Report, Tone, origin, parts};
 
 /// Everything about a calibration, in the order a reviewer reads.
 pub(super) fn report(log: &Log, filter: &FilterInfo, options: Options, outcome: &Outcome) -> Result<Report> {
-    let known = parts::truth_beside(log)?;
+    let known = origin::truth_beside(log)?;
     let of = known.as_ref().map(|truth| move |info: &StateInfo| truth.of(info));
     let truth = of.as_ref().map(|of| of as &dyn Fn(&StateInfo) -> f64);
     let (parameters, history) = (&outcome.parameters, &outcome.history);

@@ -66,7 +66,7 @@ fn text(story: &Story, out: &Path, seconds: f64) -> String {
         story.first.description.rate,
         story::PATHS[1]
     );
-    let _ = writeln!(text, "hidden: {}", hidden(&story.hidden, &story.truth));
+    let _ = writeln!(text, "hidden: {}", hidden(story.hidden, &story.truth));
     let _ = writeln!(text, "{}, which lacks it: {}", story.base, fit(&story.before, &story.truth));
     match found.r#where.first() {
         Some(place) => {

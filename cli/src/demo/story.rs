@@ -33,6 +33,9 @@ const SIZE: f64 = 0.5;
 /// Points kept of the error in navigation: one for so many samples.
 const TRACK: usize = 10;
 
+/// Time, east and north error, s and m.
+type Track = Vec<(f64, f64, f64)>;
+
 /// A run of the unit.
 pub(super) struct Run {
     pub(super) samples: Vec<Sample>,
@@ -46,8 +49,7 @@ pub(super) struct Fit {
     pub(super) statistics: Statistics,
     pub(super) residuals: Vec<ChannelInnovations>,
     drift: Drift,
-    /// Time, east and north error, s and m.
-    pub(super) track: Vec<(f64, f64, f64)>,
+    pub(super) track: Track,
 }
 
 /// Everything that happened.
@@ -290,7 +292,7 @@ fn fly<G: Filter<Dynamics = Strapdown>>(
     samples: &[Sample],
     setup: &Setup,
     parameters: &Vector<G, f64>,
-) -> Result<(Drift, Vec<(f64, f64, f64)>), Diverged> {
+) -> Result<(Drift, Track), Diverged> {
     let mut alignment = Alignment::<G>::new(setup, parameters);
     for sample in samples.iter().take_while(|sample| sample.time <= ALIGNMENT) {
         alignment.step(sample)?;

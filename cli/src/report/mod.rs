@@ -6,6 +6,7 @@
 pub(crate) mod diagnosis;
 mod html;
 pub(crate) mod inputs;
+pub(crate) mod origin;
 pub(crate) mod parts;
 
 use std::path::Path;
