@@ -1,6 +1,6 @@
 //! What happens in the demonstration: two runs of a unit, a diagnosis, and navigation before and after.
 
-use calib_core::{Extended, Shape, Vector};
+use calib_core::{Extended, Vector};
 use gap::{CandidateStates, Candidates, Diagnosis, Options};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Result, miette};
@@ -9,7 +9,7 @@ use rig::{Description, DitherMode, Scenario, Simulation, TemperatureProfile, Tru
 use sinscal::navigation::{Alignment, Drift, FreeInertial, NAUTICAL_MILE};
 use sinscal::{
     Calibration, ChannelInnovations, Diverged, EffectInfo, Filter, FilterVisitor, Innovations, Parameter,
-    Sample, Setup, Sins36P, Sins39P, StateInfo, Statistics, Strapdown, visit_filter,
+    Sample, Setup, Sins36P, Statistics, Strapdown, visit_filter,
 };
 use study::Plan;
 
@@ -119,12 +119,12 @@ impl Story {
         bar.set_message("navigating");
         bar.set_position(85);
         let names: Vec<&str> = found.effects.iter().map(|effect| effect.name.as_str()).collect();
-        let (before, after) = match base {
-            "39d-p" => {
-                compare::<Sins39P, Extended<Sins39P, Candidates, CandidateStates>>(&first, &swing, &names)
-            }
-            _ => compare::<Sins36P, Extended<Sins36P, Candidates, CandidateStates>>(&first, &swing, &names),
-        };
+        let known = states(base);
+        let with_found: Vec<&str> = known.iter().copied().chain(names.iter().copied()).collect();
+        let (before, after) = rayon::join(
+            || Fit::new(&first, &swing, &known),
+            || (!names.is_empty()).then(|| Fit::new(&first, &swing, &with_found)),
+        );
         bar.finish_and_clear();
         let failed = |error: Diverged| miette!("the demonstration: {error}");
         let (before, after) = (before.map_err(failed)?, after.transpose().map_err(failed)?);
@@ -196,40 +196,22 @@ impl Run {
     }
 }
 
-type Fitted = Result<Fit, Diverged>;
-
-/// The filter `F` as it is and, in `G`, with the candidates called `names`, if there are any: calibrated and navigated with.
-fn compare<F, G>(run: &Run, swing: &Run, names: &[&str]) -> (Fitted, Option<Fitted>)
-where
-    F: Filter<Dynamics = Strapdown>,
-    G: Filter<Dynamics = Strapdown>,
-{
-    let own = F::Shape::STATES;
-    rayon::join(
-        || Fit::new::<F>(run, swing, |_, _| true),
-        || {
-            let takes = |state: usize, info: &StateInfo| state < own || names.contains(&info.block);
-            (!names.is_empty()).then(|| Fit::new::<G>(run, swing, takes))
-        },
-    )
-}
+/// The smallest filter with every effect that it may lack: with priors of zero for what is not taken, each of the filters that
+/// are compared.
+type Everything = Extended<Sins36P, Candidates, CandidateStates>;
 
 impl Fit {
-    /// Calibrates `run` with those states of filter `G` that are taken, and navigates on `swing`.
-    fn new<G: Filter<Dynamics = Strapdown>>(
-        run: &Run,
-        swing: &Run,
-        takes: impl Fn(usize, &StateInfo) -> bool,
-    ) -> Fitted {
+    /// Calibrates `run` with a filter of the given effects, and navigates on `swing`.
+    fn new(run: &Run, swing: &Run, effects: &[&str]) -> Result<Self, Diverged> {
         let setup = run.description.setup(&[]);
+        let own = states(Sins36P::NAME);
         let mut calibration =
-            Box::new(Calibration::<G>::with_prior(
-                &setup,
-                |state, info, sigma| {
-                    if takes(state, info) { sigma } else { 0.0 }
-                },
-            ));
-        let taken = |calibration: &Calibration<G>, visit: &mut dyn FnMut(Parameter)| {
+            Box::new(Calibration::<Everything>::with_prior(&setup, |state, info, sigma| {
+                // what the filter declares stands among the candidates once more
+                let candidate = effects.contains(&info.block) && !own.contains(&info.block);
+                if state < Sins36P::DIM || candidate { sigma } else { 0.0 }
+            }));
+        let taken = |calibration: &Calibration<Everything>, visit: &mut dyn FnMut(Parameter)| {
             calibration.parameters(&mut |parameter| {
                 if parameter.prior_sigma > 0.0 {
                     visit(parameter);
@@ -246,7 +228,7 @@ impl Fit {
                 history.clear();
             }
             if pass + 1 == PASSES {
-                observer = Some(Innovations::<G>::default());
+                observer = Some(Innovations::default());
             }
             for sample in &run.samples {
                 let update = calibration.step_observed(sample, &mut observer)?;
@@ -259,8 +241,7 @@ impl Fit {
         }
         let mut parameters = Vec::new();
         taken(&calibration, &mut |parameter| parameters.push(parameter));
-        let (drift, track) =
-            fly::<G>(&swing.samples, &swing.description.setup(&[]), &calibration.estimate())?;
+        let (drift, track) = fly(&swing.samples, &swing.description.setup(&[]), &calibration.estimate())?;
         Ok(Self {
             parameters,
             history,
@@ -288,16 +269,16 @@ impl Fit {
 }
 
 /// Aligns over the first minutes of a log, then navigates it.
-fn fly<G: Filter<Dynamics = Strapdown>>(
+fn fly(
     samples: &[Sample],
     setup: &Setup,
-    parameters: &Vector<G, f64>,
+    parameters: &Vector<Everything, f64>,
 ) -> Result<(Drift, Track), Diverged> {
-    let mut alignment = Alignment::<G>::new(setup, parameters);
+    let mut alignment = Alignment::<Everything>::new(setup, parameters);
     for sample in samples.iter().take_while(|sample| sample.time <= ALIGNMENT) {
         alignment.step(sample)?;
     }
-    let mut flight = FreeInertial::<G>::new(setup, parameters);
+    let mut flight = FreeInertial::<Everything>::new(setup, parameters);
     if let Some((time, solution)) = alignment.finish() {
         flight.depart(time, solution);
     }
