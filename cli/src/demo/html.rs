@@ -27,6 +27,10 @@ pub(super) fn report(story: &Story) -> Report {
     if !story.found.effects.is_empty() {
         sections.insert(2, diagnosis::against_truth(&story.found, &story.truth));
     }
+    // remarks and source come when the story is told
+    let told =
+        sections.iter().position(|section| ["Remarks", "Declaration"].contains(&section.title.as_str()));
+    let appendix = sections.split_off(told.unwrap_or(sections.len()));
     let last = story.after.as_ref().unwrap_or(&story.before);
     sections.push(side_by_side(story));
     let tracks = [("before", Some(&story.before)), ("after", story.after.as_ref())];
@@ -42,6 +46,7 @@ pub(super) fn report(story: &Story) -> Report {
         sections.push(parts::residuals("Residuals", "", &story.before.residuals));
     }
     sections.push(story.first.inputs().section());
+    sections.extend(appendix);
     page.sections = sections;
     page.with_program()
         .with("seed", story.seed.to_string())

@@ -27,7 +27,8 @@ pub(crate) struct Arguments {
     /// Which unit of the population is drawn
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// The effect that is hidden in the unit; `sinscal effects` describes them
+    /// The effect that is hidden in the unit; `sinscal effects` describes them. The path of this demonstration cannot show all
+    /// of them, and then the diagnosis says so
     #[arg(long, value_name = "EFFECT", default_value = "accel-delay",
           value_parser = PossibleValuesParser::new(story::hideable()))]
     hide: String,
