@@ -178,9 +178,9 @@ fn reports_of_many_units() -> Done {
     check(browser, "paper", &page("paper"), &["Table 3", "Figs. 4 and 5", "Figs. 7 to 14", "Fig. 3"])
 }
 
-/// A whole demonstration, for each of two effects: 30 s each.
+/// A whole demonstration, for each of two effects: a minute or two each in a debug build.
 #[test]
-#[ignore = "runs whole demonstrations: a minute"]
+#[ignore = "runs whole demonstrations: minutes"]
 fn reports_of_demonstrations() -> Done {
     let Some(browser) = chromium() else { return Ok(()) };
     for hide in ["accel-delay", "dither-size-effect"] {

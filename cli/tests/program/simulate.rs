@@ -115,9 +115,9 @@ fn the_demo_hides_only_what_its_filter_lacks() {
     }
 }
 
-/// The whole demonstration, seed 4.
+/// The whole demonstration, seed 4: a minute or two in a debug build.
 #[test]
-#[ignore = "runs a whole demonstration: half a minute"]
+#[ignore = "runs a whole demonstration: a minute or two"]
 fn the_demo_finds_what_is_hidden_and_navigates_better() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = text(folder.path());
