@@ -104,6 +104,8 @@ pub mod earth;
 mod effects;
 mod filters;
 mod gate;
+#[cfg(feature = "std")]
+mod innovations;
 pub mod navigation;
 pub mod observability;
 mod observer;
@@ -143,6 +145,8 @@ pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
     visit_filter,
 };
+#[cfg(feature = "std")]
+pub use innovations::{ChannelInnovations, Innovations};
 pub use observer::{Observer, Refusal, Updated};
 pub use sample::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Site};
 pub use signals::{Point, Signals};

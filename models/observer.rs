@@ -54,6 +54,87 @@ pub trait Observer<F: Filter<Dynamics = Strapdown>> {
 /// Nobody watches.
 impl<F: Filter<Dynamics = Strapdown>> Observer<F> for () {}
 
+/// Watches where there is somebody.
+impl<F: Filter<Dynamics = Strapdown>, O: Observer<F>> Observer<F> for Option<O> {
+    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
+        self.iter_mut().for_each(|observer| observer.predicted(transition, density));
+    }
+
+    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
+        self.iter_mut().for_each(|observer| observer.moved(kalman));
+    }
+
+    fn measured(
+        &mut self,
+        time: f64,
+        at: &Point<f64>,
+        signals: &Signals<f64>,
+        residuals: &Residuals<F, f64>,
+    ) {
+        self.iter_mut().for_each(|observer| observer.measured(time, at, signals, residuals));
+    }
+
+    fn refused(&mut self, time: f64, group: &'static str, why: Refusal) {
+        self.iter_mut().for_each(|observer| observer.refused(time, group, why));
+    }
+
+    fn widened(&mut self, variances: &CoreVector<F, f64>) {
+        self.iter_mut().for_each(|observer| observer.widened(variances));
+    }
+
+    fn fed_back(&mut self, correction: &Vector<F, f64>) {
+        self.iter_mut().for_each(|observer| observer.fed_back(correction));
+    }
+
+    fn updated(&mut self, update: &Updated<'_, F>) {
+        self.iter_mut().for_each(|observer| observer.updated(update));
+    }
+}
+
+/// Both watch.
+impl<F: Filter<Dynamics = Strapdown>, A: Observer<F>, B: Observer<F>> Observer<F> for (A, B) {
+    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
+        self.0.predicted(transition, density);
+        self.1.predicted(transition, density);
+    }
+
+    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
+        self.0.moved(kalman);
+        self.1.moved(kalman);
+    }
+
+    fn measured(
+        &mut self,
+        time: f64,
+        at: &Point<f64>,
+        signals: &Signals<f64>,
+        residuals: &Residuals<F, f64>,
+    ) {
+        self.0.measured(time, at, signals, residuals);
+        self.1.measured(time, at, signals, residuals);
+    }
+
+    fn refused(&mut self, time: f64, group: &'static str, why: Refusal) {
+        self.0.refused(time, group, why);
+        self.1.refused(time, group, why);
+    }
+
+    fn widened(&mut self, variances: &CoreVector<F, f64>) {
+        self.0.widened(variances);
+        self.1.widened(variances);
+    }
+
+    fn fed_back(&mut self, correction: &Vector<F, f64>) {
+        self.0.fed_back(correction);
+        self.1.fed_back(correction);
+    }
+
+    fn updated(&mut self, update: &Updated<'_, F>) {
+        self.0.updated(update);
+        self.1.updated(update);
+    }
+}
+
 /// Why a reading was left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {

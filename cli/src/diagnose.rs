@@ -12,6 +12,8 @@ use miette::{IntoDiagnostic, Result, miette};
 use sinscal::{FILTERS, InitialAttitude, Sample};
 
 use crate::log::Log;
+use crate::report::diagnosis;
+use crate::report::inputs::Inputs;
 use crate::{output, self_test, setup};
 
 /// Name of the Rust file with the extended filter.
@@ -40,7 +42,7 @@ pub(crate) struct Arguments {
     /// Write the results as JSON; `-` writes them to standard output instead of the text
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write diagnosis.json, diagnosis.txt and the declaration of the extended filter to this folder
+    /// Write report.html, diagnosis.json, diagnosis.txt, the declaration of the extended filter and figures to this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -100,12 +102,17 @@ impl Arguments {
         }
         let json = serde_json::to_string_pretty(&found).into_diagnostic()? + "\n";
         target.write("diagnosis", &json, &text(&found), &found.sentence, |files, folder| {
-            match &found.source {
-                Some(source) => {
-                    files.write(&folder.join(DECLARATION), |file| file.write_all(source.as_bytes()))
-                }
-                None => Ok(()),
+            if let Some(source) = &found.source {
+                files.write(&folder.join(DECLARATION), |file| file.write_all(source.as_bytes()))?;
             }
+            let table = first.log.table().display();
+            let mut page = diagnosis::report(&found, format!("What {} lacks on {table}", filter.name));
+            page.sections.push(Inputs::of(&first.log)?.section());
+            page = page.with_program().with("seed", self.seed.to_string()).with_log(&first.log);
+            if let Some(second) = &second {
+                page = page.with_log(&second.log);
+            }
+            page.write(files, folder)
         })
     }
 }

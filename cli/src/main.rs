@@ -7,6 +7,7 @@ mod ablate;
 mod broadcast;
 mod calibrate;
 mod campaign;
+mod completions;
 mod demo;
 mod diagnose;
 mod draw;
@@ -19,6 +20,7 @@ mod navigate;
 mod observe;
 mod output;
 mod paper;
+mod report;
 mod scenario;
 mod self_test;
 mod setup;
@@ -30,9 +32,21 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 
+/// What `--help` ends with.
+const AFTER_HELP: &str = "\
+Examples:
+  sinscal demo                                        the whole story, no files needed
+  sinscal simulate --out runs/unit-3 --seed 3         a log with its truth
+  sinscal observe runs/unit-3 --filter 43d-b          what the log can show
+  sinscal calibrate runs/unit-3 --filter 43d-b --out results
+  sinscal diagnose runs/unit-3 --filter 36d-p --out findings
+
+Exit codes: 0 the work was done, 1 bad input or a failed run, 2 bad usage.
+With --out DIR every command writes DIR/report.html, which needs no network. NO_COLOR switches colours off.";
+
 /// Systematic calibration of strapdown inertial navigation systems.
 #[derive(Parser)]
-#[command(name = "sinscal", version, about, max_term_width = 100)]
+#[command(name = "sinscal", version, about, max_term_width = 100, after_help = AFTER_HELP)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -51,6 +65,7 @@ enum Command {
     Paper(paper::Arguments),
     Filters(filters::Arguments),
     Effects(effects::Arguments),
+    Completions(completions::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -76,18 +91,19 @@ fn main() -> ExitCode {
         Command::Paper(arguments) => arguments.run(),
         Command::Filters(arguments) => arguments.run(),
         Command::Effects(arguments) => arguments.run(),
+        Command::Completions(arguments) => arguments.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            report(error.as_ref());
+            complain(error.as_ref());
             ExitCode::from(1)
         }
     }
 }
 
 /// Shows an error on standard error: with colours and a frame on a terminal, as plain unbroken lines elsewhere.
-fn report(error: &dyn Diagnostic) {
+fn complain(error: &dyn Diagnostic) {
     let handler = if std::io::stderr().is_terminal() {
         let colours = std::env::var_os("NO_COLOR").is_none();
         let theme = if colours { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };

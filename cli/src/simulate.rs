@@ -12,19 +12,22 @@ use miette::{Result, miette};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::file::properties::WriterProperties;
-use rig::{DEFAULT_SCENARIO, Description, Simulation};
+use rig::{DEFAULT_SCENARIO, Description, Simulation, Truth};
 use sinscal::Sample;
 
+use crate::figures::significant;
 use crate::output::{self, Files};
+use crate::report::inputs::Inputs;
+use crate::report::{Report, Section, Table, Tone, number, text};
 use crate::scenario;
 
 /// Rows per batch of the written table.
 const ROWS: usize = 8192;
 
-/// Simulate a unit on its path and write the log, its description and the truth
+/// Simulate a unit on its path and write the log, its description, the truth and a page that shows them
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Where the log goes: DIR/NAME becomes DIR/NAME.parquet, DIR/NAME.toml and DIR/NAME.truth.json
+    /// Where the log goes: DIR/NAME becomes DIR/NAME.parquet, DIR/NAME.toml, DIR/NAME.truth.json and DIR/NAME.html
     #[arg(long, value_name = "DIR/NAME", required_unless_present = "print_scenario")]
     out: Option<PathBuf>,
     /// What is simulated; without it the default scenario
@@ -67,9 +70,15 @@ impl Arguments {
         if !folder.as_os_str().is_empty() {
             files.folder(folder)?;
         }
-        files.write(&path(".parquet"), |file| write_table(simulation, &description, file))?;
+        let mut inputs = Inputs::new();
+        files.write(&path(".parquet"), |file| write_table(simulation, &description, &mut inputs, file))?;
         files.write(&path(".toml"), |file| file.write_all(description.to_toml().as_bytes()))?;
         files.write(&path(".truth.json"), |file| file.write_all(truth.to_json().as_bytes()))?;
+        let verdict = format!("unit {}, {samples} samples in {:.0} s", self.seed, scenario.duration());
+        let page = page(format!("Simulated log {name}"), verdict, &truth, &inputs).with_program();
+        page.with("seed", self.seed.to_string())
+            .with_scenario(self.scenario.as_deref())
+            .write_page(&mut files, &path(".html"))?;
         files.commit()?;
         output::remark(&format!(
             "{}: {samples} samples of unit {}, {:.0} s",
@@ -78,6 +87,29 @@ impl Arguments {
             scenario.duration()
         ));
         Ok(())
+    }
+}
+
+/// The unit and what it was put through.
+fn page(title: String, verdict: String, truth: &Truth, inputs: &Inputs) -> Report {
+    let mut rows = Vec::new();
+    for (name, values) in truth.effects() {
+        let Some(effect) = sinscal::effect(name) else { continue };
+        for (component, value) in effect.components().iter().zip(values) {
+            let sign = if *value < 0.0 { "-" } else { "" };
+            let figure = number(format!("{sign}{}", significant(value.abs() / effect.sheet_scale)));
+            rows.push(vec![text(format!("{name} {component}")), figure, text(effect.sheet_unit)]);
+        }
+    }
+    let table = Table::new("", &["parameter", "true value", "unit"], rows);
+    Report {
+        title,
+        verdict,
+        tone: Tone::Neutral,
+        facts: Vec::new(),
+        sections: vec![Section::new("The true unit", vec![table.into()]), inputs.section()],
+        origin: Vec::new(),
+        attachments: Vec::new(),
     }
 }
 
@@ -117,6 +149,7 @@ fn columns(description: &Description) -> Vec<Column> {
 fn write_table(
     simulation: Simulation,
     description: &Description,
+    inputs: &mut Inputs,
     file: &mut (dyn Write + Send),
 ) -> io::Result<()> {
     let columns = columns(description);
@@ -142,6 +175,7 @@ fn write_table(
         Ok(())
     };
     for sample in simulation {
+        inputs.push(&sample);
         for (column, (_, of)) in batch.iter_mut().zip(&columns) {
             column.push(of(&sample));
         }

@@ -3,7 +3,7 @@
 pub(crate) mod run;
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use miette::{IntoDiagnostic, Result};
@@ -12,8 +12,10 @@ use serde::Serialize;
 use self::run::Fit;
 use crate::log::Log;
 use crate::navigate::run::{Flight, navigate};
-use crate::navigate::{ALIGNMENT, alignment, errors, figure};
+use crate::navigate::{ALIGNMENT, alignment, errors, section};
 use crate::output;
+use crate::report::inputs::Inputs;
+use crate::report::{Cell, Report as Page, Section, Table, Tone, number, text};
 
 /// Compare the five filters of the paper on one log, and what their calibrations are worth on another
 #[derive(Args)]
@@ -32,7 +34,7 @@ pub(crate) struct Arguments {
     /// Write the results as JSON; `-` writes them to standard output instead of the table
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write ablation.json, ablation.txt and the errors over time (errors.csv, errors.svg) to this folder
+    /// Write report.html, ablation.json, ablation.txt, errors.csv (errors over time) and figures to this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -89,12 +91,59 @@ impl Arguments {
         };
         let json = serde_json::to_string_pretty(&report).into_diagnostic()? + "\n";
         target.write("ablation", &json, &table(&report), &verdict(&report), |files, folder| {
-            if flights.is_empty() {
-                return Ok(());
+            if !flights.is_empty() {
+                files.write(&folder.join("errors.csv"), |file| errors(flights, file))?;
             }
-            files.write(&folder.join("errors.csv"), |file| errors(flights, file))?;
-            figure(flights).draw(files, folder)
+            let mut page = page(&report, log.table()).with_program();
+            if !flights.is_empty() {
+                page.sections.push(section(flights));
+            }
+            page.sections.push(Inputs::of(&log)?.section());
+            page = page.with("passes", self.passes.to_string()).with_log(&log);
+            if let Some(swing) = &swing {
+                page = page.with_log(swing);
+            }
+            page.write(files, folder)
         })
+    }
+}
+
+/// The comparison as a page, without curves.
+fn page(report: &Report, log: &Path) -> Page {
+    let all = || report.filters.iter();
+    let largest = all().filter_map(|row| row.max_horizontal_nmi).fold(0.0, f64::max);
+    let best = all().map(|row| row.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
+    let row = |row: &Row| {
+        let mut cells = vec![
+            text(row.filter),
+            number(row.states.to_string()),
+            number(format!("{:.3}", row.nis_per_dof)),
+            number(format!("{:.1}", row.log_likelihood - best)),
+        ];
+        if let (Some(error), Some(last)) = (row.max_horizontal_nmi, row.final_horizontal_nmi) {
+            cells.push(number(format!("{last:.3}")));
+            cells.push(Cell::Bar(error / largest, format!("{error:.3}")));
+        }
+        cells
+    };
+    let mut head = vec!["filter", "states", "NIS per degree of freedom", "log-likelihood below the best"];
+    let mut caption = String::from("NIS per degree of freedom is 1 for a filter that explains the log.");
+    if let (Some(hours), Some(seconds)) = (report.hours, report.alignment_s) {
+        head.extend(["error at the end, nmi", "largest error, nmi"]);
+        caption += &format!(
+            " Horizontal errors of {hours:.2} h of free-inertial navigation, height held, aligned over the first {seconds:.0} s \
+             with each calibration."
+        );
+    }
+    let table = Table::new(caption, &head, report.filters.iter().map(row).collect());
+    Page {
+        title: format!("The five filters on {}", log.display()),
+        verdict: verdict(report),
+        tone: Tone::Neutral,
+        facts: Vec::new(),
+        sections: vec![Section::new("Side by side", vec![table.into()])],
+        origin: Vec::new(),
+        attachments: Vec::new(),
     }
 }
 

@@ -7,8 +7,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use serde::Serialize;
 use sinscal::{CoarseCalibration, FilterInfo, Smoothed};
 
+use super::refusals::Stretch;
 use super::run::{Options, Outcome};
-use super::watch::Stretch;
 use crate::log::Log;
 
 /// `calibrate --json`.

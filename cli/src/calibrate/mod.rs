@@ -1,10 +1,11 @@
 //! `sinscal calibrate`: runs a filter over a log.
 
 mod json;
+mod refusals;
+mod report;
 mod run;
 mod tape;
 mod text;
-mod watch;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -47,7 +48,7 @@ pub(crate) struct Arguments {
     /// Write the results as JSON; `-` writes them to standard output instead of the table
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write calibration.json and history.csv (estimates and sigmas over time) to this folder
+    /// Write report.html, calibration.json, history.csv (estimates and sigmas over time) and figures to this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -113,7 +114,8 @@ impl Arguments {
             setup::coarse(&mut log)?;
         }
         let passes = self.passes.unwrap_or(filter.passes);
-        let options = run::Options { passes, form: self.form, smooth: self.smooth };
+        let options =
+            run::Options { passes, form: self.form, smooth: self.smooth, residuals: self.out.is_some() };
         let outcome = run::run(&log, filter.name, options)?;
         if outcome.statistics.updates == 0 {
             let measures = filter.measures().collect::<Vec<_>>().join(" and ");
@@ -136,8 +138,8 @@ impl Arguments {
             output::remark(&format!("{gaps} gaps were filled with {rows} interpolated rows"));
         }
 
-        let report = json::Report::new(&log, filter, options, &outcome, started.elapsed());
-        let json = report.render()?;
+        let document = json::Report::new(&log, filter, options, &outcome, started.elapsed());
+        let json = document.render()?;
         let mut files = Files::default();
         if let Some(path) = json_file {
             files.write(path, |file| file.write_all(json.as_bytes()))?;
@@ -146,6 +148,7 @@ impl Arguments {
             files.folder(folder)?;
             files.write(&folder.join("calibration.json"), |file| file.write_all(json.as_bytes()))?;
             files.write(&folder.join("history.csv"), |file| text::history(&outcome, file))?;
+            report::report(&log, filter, options, &outcome)?.write(&mut files, folder)?;
             if let Some(smoothed) = &outcome.smoothed {
                 let site = &log.description().site;
                 files.write(&folder.join("trajectory.csv"), |file| text::trajectory(smoothed, site, file))?;

@@ -4,13 +4,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Result, miette};
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::{
-    Calibration, CoarseCalibration, Conventional, Filter, FilterVisitor, InitialAttitude, Parameter,
-    Smoothed, StateInfo, Statistics, Strapdown, Ud,
+    Calibration, ChannelInnovations, CoarseCalibration, Conventional, Filter, FilterVisitor, InitialAttitude,
+    Innovations, Parameter, Smoothed, Smoother, StateInfo, Statistics, Strapdown, Ud,
 };
 
 use super::Form;
+use super::refusals::{Refusals, Stretch};
 use super::tape::FileTape;
-use super::watch::{Stretch, Watch};
 use crate::history::History;
 use crate::log::{Bridged, Log};
 use crate::setup;
@@ -24,6 +24,8 @@ pub(super) struct Options {
     pub(super) passes: u32,
     pub(super) form: Form,
     pub(super) smooth: bool,
+    /// Whether residuals are remembered for a report.
+    pub(super) residuals: bool,
 }
 
 /// What came of it.
@@ -44,6 +46,8 @@ pub(super) struct Outcome {
     pub(super) refused: Vec<Stretch>,
     /// The smoothed navigation solution at each update, if it was asked for.
     pub(super) smoothed: Option<Vec<Smoothed>>,
+    /// The residuals of the last pass, if they were asked for.
+    pub(super) residuals: Option<Vec<ChannelInnovations>>,
 }
 
 /// Runs the filter called `filter` over the log.
@@ -82,7 +86,7 @@ impl Run<'_> {
         let mut times = (0.0, 0.0);
         let mut bridged = Bridged::default();
         let trouble = |error| miette!("the temporary file of the smoother: {error}");
-        let mut watch = Watch::<F>::new(None);
+        let mut observer = (Refusals::default(), (None, None));
 
         let bar = progress_bar(self.log.size() * u64::from(self.options.passes));
         for pass in 0..self.options.passes {
@@ -90,8 +94,12 @@ impl Run<'_> {
                 calibration.begin_pass();
                 history.clear();
             }
-            let smooth = self.options.smooth && pass + 1 == self.options.passes;
-            watch = Watch::new(smooth.then(FileTape::new).transpose().map_err(trouble)?);
+            observer.0 = Refusals::default();
+            if pass + 1 == self.options.passes {
+                let tape = self.options.smooth.then(FileTape::new).transpose().map_err(trouble)?;
+                observer.1.0 = tape.map(Smoother::<F, FileTape>::new);
+                observer.1.1 = self.options.residuals.then(Innovations::<F>::default);
+            }
             samples = 0;
             let mut rows = self.log.samples()?;
             while let Some(row) = rows.next() {
@@ -104,7 +112,7 @@ impl Run<'_> {
                 if samples.is_multiple_of(BAR_SAMPLES) {
                     bar.set_position(self.log.size() * u64::from(pass) + rows.position());
                 }
-                let update = calibration.step_observed(&sample, &mut watch);
+                let update = calibration.step_observed(&sample, &mut observer);
                 let update = update.map_err(|error| miette!("{}: {error}", self.log.table().display()))?;
                 if update.is_some() && history.due() {
                     history.push(sample.time, |put| {
@@ -120,7 +128,7 @@ impl Run<'_> {
         history.push(times.1, |put| {
             parameters.iter().for_each(|parameter| put(parameter.value, parameter.sigma));
         });
-        let Watch { smoother, refused } = watch;
+        let (refusals, (smoother, innovations)) = observer;
         let smoothed = smoother.map(|s| s.finish(&calibration.covariance())).transpose().map_err(trouble)?;
         Ok(Outcome {
             samples: samples - bridged.rows,
@@ -133,8 +141,9 @@ impl Run<'_> {
             position: calibration.position(),
             velocity: calibration.navigation().velocity,
             bridged,
-            refused,
+            refused: refusals.stretches,
             smoothed,
+            residuals: innovations.map(Innovations::finish),
         })
     }
 }

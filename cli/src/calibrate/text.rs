@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::time::Duration;
 
-use sinscal::{CoarseCalibration, Parameter, Site, Smoothed};
+use sinscal::{CoarseCalibration, Parameter, Site, Smoothed, Statistics};
 
 use super::run::Outcome;
 use crate::figures::{decimals, significant};
@@ -18,6 +18,11 @@ const FITS: (f64, f64) = (0.8, 1.2);
 
 /// 1 ug in m/s^2.
 const MICRO_G: f64 = 9.80665e-6;
+
+/// Whether the residuals are about as large as the filter says.
+pub(super) fn fits(statistics: &Statistics) -> bool {
+    (FITS.0..=FITS.1).contains(&statistics.nis_per_dof())
+}
 
 /// Whether the filter explains the data, in one line.
 pub(super) fn verdict(filter: &str, outcome: &Outcome) -> String {

@@ -1,5 +1,6 @@
 //! `sinscal campaign`: Monte Carlo over simulated units.
 
+pub(crate) mod html;
 mod map;
 mod store;
 mod tables;
@@ -63,8 +64,8 @@ pub(crate) struct Arguments {
     /// Write the summary as JSON; `-` writes it to standard output instead of the tables
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Keep every finished unit in this folder, so that the campaign can be taken up again, and write summary.json,
-    /// summary.txt, filters.parquet and parameters.parquet there
+    /// Keep every finished unit in this folder, so that the campaign can be taken up again, and write report.html,
+    /// summary.json, summary.txt, filters.parquet and parameters.parquet there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -80,7 +81,7 @@ enum Command {
         /// Write the summary as JSON; `-` writes it to standard output instead of the tables
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
-        /// Write summary.json, summary.txt, filters.parquet and parameters.parquet to this folder
+        /// Write report.html, summary.json, summary.txt, filters.parquet and parameters.parquet to this folder
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
@@ -143,7 +144,16 @@ impl Arguments {
                 results.len()
             ));
         }
-        report(&results, &target)
+        let given =
+            |path: Option<&Path>| path.map_or("default".to_owned(), |path| path.display().to_string());
+        let settings = vec![
+            ("scenario", given(self.scenario.as_deref())),
+            ("swing", given(self.swing.as_deref())),
+            ("passes", plan.passes.to_string()),
+            ("hours", plan.hours.to_string()),
+            ("alignment", format!("{} s", plan.alignment)),
+        ];
+        report(&results, &target, settings, self.scenario.as_deref())
     }
 }
 
@@ -237,17 +247,25 @@ fn merge(folders: &[PathBuf], json: Option<&Path>, out: Option<&Path>) -> Result
     if gaps > 0 {
         output::remark(&format!("warning: {gaps} units between the first and the last are not there yet"));
     }
-    report(&results, &target)
+    report(&results, &target, Vec::new(), None)
 }
 
-fn report(results: &[UnitResult], target: &output::Target<'_>) -> Result<()> {
+fn report(
+    results: &[UnitResult],
+    target: &output::Target<'_>,
+    settings: Vec<(&str, String)>,
+    scenario: Option<&Path>,
+) -> Result<()> {
     if results.is_empty() {
         return Err(miette!("no unit is there to summarise"));
     }
     let summary = Summary::new(results);
     let json = serde_json::to_string_pretty(&summary).into_diagnostic()? + "\n";
     target.write("summary", &json, &text::table(&summary), &text::verdict(&summary), |files, folder| {
-        write_tables(files, folder, results)
+        write_tables(files, folder, results)?;
+        let page = html::report(&summary, results);
+        let page = settings.into_iter().fold(page, |page, (name, value)| page.with(name, value));
+        page.with_scenario(scenario).write(files, folder)
     })
 }
 

@@ -9,12 +9,12 @@ use std::path::PathBuf;
 use clap::Args;
 use miette::{IntoDiagnostic, Result};
 use serde::Serialize;
-use sinscal::navigation::NAUTICAL_MILE;
 
 use self::run::Flight;
-use crate::draw::{Curve, Figure, Style};
 use crate::log::Log;
 use crate::output;
+use crate::report::inputs::Inputs;
+use crate::report::{Report as Page, Section, Tone, parts};
 
 /// Length of the alignment that a log begins with, s, where nothing else is asked for.
 pub(crate) const ALIGNMENT: f64 = 900.0;
@@ -33,7 +33,7 @@ pub(crate) struct Arguments {
     /// Write the results as JSON; `-` writes them to standard output instead of the text
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write navigation.json, navigation.txt and the errors over time (errors.csv, errors.svg) to this folder
+    /// Write report.html, navigation.json, navigation.txt, errors.csv (errors over time) and figures to this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -83,27 +83,32 @@ impl Arguments {
         );
         target.write("navigation", &json, &text, &verdict, |files, folder| {
             files.write(&folder.join("errors.csv"), |file| errors(&flights, file))?;
-            figure(&flights).draw(files, folder)
+            let page = Page {
+                title: format!("Navigation on {} with {}", log.table().display(), self.calibration.display()),
+                verdict: verdict.clone(),
+                tone: Tone::Neutral,
+                facts: vec![
+                    ("largest error".into(), format!("{largest:.3} nmi")),
+                    ("at the end".into(), format!("{last:.3} nmi")),
+                    ("duration".into(), format!("{hours:.2} h")),
+                    ("alignment".into(), format!("{alignment_s:.0} s")),
+                ],
+                sections: vec![section(&flights), Inputs::of(&log)?.section()],
+                origin: Vec::new(),
+                attachments: Vec::new(),
+            };
+            page.with_program()
+                .with("filter", flight.filter)
+                .with_file("calibration", &self.calibration)
+                .with_log(&log)
+                .write(files, folder)
         })
     }
 }
 
-/// Horizontal errors over time, as in figure 15 of the paper.
-pub(crate) fn figure(flights: &[Flight]) -> Figure {
-    let curves = flights.iter().map(|flight| {
-        let start = flight.track.first().map_or(0.0, |(time, ..)| *time);
-        let points = flight
-            .track
-            .iter()
-            .map(|(time, east, north)| ((time - start) / 3600.0, east.hypot(*north) / NAUTICAL_MILE));
-        Curve::new(flight.filter, Style::Full, points.collect())
-    });
-    Figure {
-        file: "errors",
-        title: "Horizontal error of free-inertial navigation".into(),
-        axes: ["time, h", "horizontal error, nmi"],
-        curves: curves.collect(),
-    }
+/// Errors over time as a section of a report.
+pub(crate) fn section(flights: &[Flight]) -> Section {
+    parts::navigation(flights.iter().map(|flight| (flight.filter, flight.track.as_slice())))
 }
 
 /// Errors over time, as comma-separated text in SI units.

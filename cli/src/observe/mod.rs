@@ -1,6 +1,7 @@
 //! `sinscal observe`: what a log can tell a filter.
 
 pub(crate) mod analysis;
+pub(crate) mod html;
 pub(crate) mod report;
 
 use std::path::PathBuf;
@@ -26,7 +27,7 @@ pub(crate) struct Arguments {
     /// Write the results as JSON; `-` writes them to standard output instead of the table
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write observability.json, observability.txt and observability.svg to this folder
+    /// Write report.html, observability.json, observability.txt and figures to this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -48,7 +49,7 @@ impl Arguments {
             &json,
             &text,
             &report::verdict(filter.name, &analysis),
-            |files, folder| report::figure("observability", filter.name, &analysis).draw(files, folder),
+            |files, folder| html::report(&log, filter, &analysis)?.write(files, folder),
         )
     }
 }

@@ -163,7 +163,7 @@ pub(crate) fn table(filter: &str, analysis: &Analysis) -> String {
 }
 
 /// Degrees of the last thirteen states in the five spans, as in figure 5 of the paper.
-pub(crate) fn figure(file: &'static str, filter: &str, analysis: &Analysis) -> Figure {
+pub(super) fn figure(analysis: &Analysis) -> Figure {
     let last = &analysis.states[analysis.states.len().saturating_sub(LAST)..];
     let curve = |state: &State, style| {
         let point = |(span, degree): (usize, &f64)| ((span + 1) as f64, degree.max(LEAST_DRAWN).log10());
@@ -177,8 +177,8 @@ pub(crate) fn figure(file: &'static str, filter: &str, analysis: &Analysis) -> F
         curves.extend(dashed.get(i).map(|state| curve(state, Style::Dashed)));
     }
     Figure {
-        file,
-        title: format!("{filter}: degrees of observability in five spans"),
+        file: "observability".into(),
+        title: format!("Degrees of observability of the last {LAST} states"),
         axes: ["span", "log10 of the degree of observability"],
         curves,
     }

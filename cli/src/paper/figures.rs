@@ -7,10 +7,10 @@ use miette::Result;
 use nalgebra::Vector3;
 use study::{FilterResult, Watch};
 
-use super::{Findings, size_effect};
+use super::Findings;
 use crate::draw::{Curve, Figure, Style};
 use crate::observe::analysis::SPANS;
-use crate::observe::report::{figure, name};
+use crate::observe::report::name;
 use crate::output::Files;
 
 /// The filter whose parameters the figures show.
@@ -67,24 +67,25 @@ const PARAMETERS: [(&str, &[&str]); 8] = [
 
 /// Writes all figures.
 pub(super) fn write(findings: &Findings, files: &mut Files, folder: &Path) -> Result<()> {
-    for figure in size_effect::figures().iter().chain(&size_effect::delay_figures(&findings.delay_errors)) {
-        figure.write(files, folder)?;
-    }
     files.write(&folder.join("figure-05-observability.csv"), |out| figure_5(findings, out))?;
-    figure("figure-05-observability", SHOWN, &findings.observability).draw(files, folder)?;
     let shown = findings.first.filters.iter().find(|filter| filter.filter == SHOWN);
     if let Some(shown) = shown {
         for (file, blocks) in PARAMETERS {
             files
                 .write(&folder.join(format!("{file}.csv")), |out| parameters(findings, shown, blocks, out))?;
-            convergence(findings, shown, file, blocks).draw(files, folder)?;
         }
     }
-    navigation(findings).draw(files, folder)?;
     files.write(&folder.join("figure-15-errors.csv"), |out| figure_15(findings, out))
 }
 
-/// Estimates of some parameters over time with their three sigmas (Figs. 7-14), in SI units.
+/// Figs. 7 to 14.
+pub(super) fn convergences(findings: &Findings) -> Vec<Figure> {
+    let shown = findings.first.filters.iter().find(|filter| filter.filter == SHOWN);
+    let figures = |shown| PARAMETERS.map(|(file, blocks)| convergence(findings, shown, file, blocks));
+    shown.map(figures).into_iter().flatten().collect()
+}
+
+/// Estimates of some parameters over time with their three sigmas and the truth (Figs. 7-14), in SI units.
 fn convergence(findings: &Findings, shown: &FilterResult, file: &'static str, blocks: &[&str]) -> Figure {
     let mut curves = Vec::new();
     for (i, parameter) in shown.parameters.iter().enumerate() {
@@ -92,16 +93,17 @@ fn convergence(findings: &Findings, shown: &FilterResult, file: &'static str, bl
             continue;
         }
         let name = format!("{} {}", parameter.name, parameter.component);
-        let curve = |factor: f64| {
-            let point = |(time, all): &(f64, Vec<(f64, f64)>)| (*time, all[i].0 + factor * all[i].1);
-            findings.traces.estimates.iter().map(point).collect()
-        };
-        curves.push(Curve::new(name.clone(), Style::Full, curve(0.0)));
-        curves.push(Curve::new(format!("{name} + 3 sigma"), Style::Dashed, curve(3.0)));
-        curves.push(Curve::new(format!("{name} - 3 sigma"), Style::Dashed, curve(-3.0)));
+        let estimates = &findings.traces.estimates;
+        let points = estimates.iter().map(|(time, all)| (*time, all[i].0)).collect();
+        let band = estimates.iter().map(|(_, all)| 3.0 * all[i].1).collect();
+        curves.push(Curve::new(name.clone(), Style::Full, points).with_band(band));
+        if let (Some((first, _)), Some((last, _))) = (estimates.first(), estimates.last()) {
+            let truth = vec![(*first, parameter.truth), (*last, parameter.truth)];
+            curves.push(Curve::new(format!("{name} truth"), Style::Dashed, truth));
+        }
     }
     Figure {
-        file,
+        file: file.into(),
         title: format!("{}: estimates and three sigmas", blocks.join(", ")),
         axes: ["time, s", "estimate, SI"],
         curves,
@@ -109,13 +111,13 @@ fn convergence(findings: &Findings, shown: &FilterResult, file: &'static str, bl
 }
 
 /// Horizontal error of free-inertial navigation with each filter's calibration (Fig. 15).
-fn navigation(findings: &Findings) -> Figure {
+pub(super) fn navigation(findings: &Findings) -> Figure {
     let curves = findings.traces.errors.iter().map(|(filter, track)| {
         let points = track.iter().map(|(time, east, north)| (time / 3600.0, east.hypot(*north) / 1852.0));
         Curve::new(filter.clone(), Style::Full, points.collect())
     });
     Figure {
-        file: "figure-15-errors",
+        file: "figure-15-errors".into(),
         title: "Horizontal error of free-inertial navigation".into(),
         axes: ["time, h", "horizontal error, nmi"],
         curves: curves.collect(),

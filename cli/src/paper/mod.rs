@@ -3,6 +3,7 @@
 //! Xing, Yang and Cai, *Sensors* 22(1):278, 2022.
 
 mod figures;
+mod html;
 mod report;
 mod size_effect;
 
@@ -48,7 +49,7 @@ pub(crate) struct Arguments {
     /// Write the numbers as JSON; `-` writes them to standard output instead of the report
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write paper.json, paper.txt and the figures' data as comma-separated text to this folder
+    /// Write report.html, paper.json, paper.txt and the figures with their data to this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -69,6 +70,7 @@ struct Findings {
     /// Of the first unit.
     traces: Traces,
     first: UnitResult,
+    units: Vec<UnitResult>,
     summary: Summary,
     seconds: f64,
 }
@@ -101,13 +103,16 @@ impl Arguments {
             traces,
             first,
             summary: Summary::new(&results),
+            units: results,
             plan,
             seconds: started.elapsed().as_secs_f64(),
         };
         let json = serde_json::to_string_pretty(&report::Numbers::new(&findings)).into_diagnostic()? + "\n";
         let text = report::text(&findings);
         target.write("paper", &json, &text, &report::verdict(&findings), |files, folder| {
-            figures::write(&findings, files, folder)
+            figures::write(&findings, files, folder)?;
+            let page = html::page(&findings, &text).with_scenario(self.scenario.as_deref());
+            page.write(files, folder)
         })
     }
 }

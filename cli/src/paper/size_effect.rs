@@ -49,25 +49,25 @@ pub(super) fn figures() -> Vec<Figure> {
     };
     vec![
         Figure {
-            file: "equation-09-velocity",
+            file: "equation-09-velocity".into(),
             title: "Dither about x: velocity error (Eq. 9)".into(),
             axes: ["time, s", "velocity error, m/s"],
             curves: over_time(|d| [d.simulated_velocity, d.velocity]),
         },
         Figure {
-            file: "equation-09-position",
+            file: "equation-09-position".into(),
             title: "Dither about x: position error (Eq. 9)".into(),
             axes: ["time, s", "position error, m"],
             curves: over_time(|d| [d.simulated_position, d.position]),
         },
         Figure {
-            file: "equation-08-frequency",
+            file: "equation-08-frequency".into(),
             title: "Constant of the size effect over the frequency of dither (Eq. 8)".into(),
             axes: ["frequency, Hz", "constant, micro-g"],
             curves: constants(&sweep.by_frequency),
         },
         Figure {
-            file: "equation-08-amplitude",
+            file: "equation-08-amplitude".into(),
             title: "Constant of the size effect over the amplitude of dither (Eq. 8)".into(),
             axes: ["amplitude, rad/s", "constant, micro-g"],
             curves: constants(&sweep.by_amplitude),
@@ -89,13 +89,13 @@ pub(super) fn delay_figures(errors: &[delay::Errors]) -> Vec<Figure> {
     };
     vec![
         Figure {
-            file: "figure-03-velocity",
+            file: "figure-03-velocity".into(),
             title: "Accelerometer delay of 1 ms: velocity error (Fig. 3)".into(),
             axes: ["time, s", "velocity error, m/s"],
             curves: curves(|e| [e.simulated_velocity, e.velocity]),
         },
         Figure {
-            file: "figure-03-position",
+            file: "figure-03-position".into(),
             title: "Accelerometer delay of 1 ms: position error (Fig. 3)".into(),
             axes: ["time, s", "position error, m"],
             curves: curves(|e| [e.simulated_position, e.position]),

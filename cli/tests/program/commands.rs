@@ -137,7 +137,12 @@ fn results_go_to_files_and_forms_and_passes_agree_to_run() -> Done {
         let width = |line: &str| line.split(',').count();
         assert!(history.starts_with("time_s,gyro-scale.x,gyro-scale.x.sigma,"));
         assert!(history.lines().all(|line| width(line) == 1 + 2 * 34));
-        assert_eq!(fs::read_dir(&out)?.count(), 2);
+        let mut written = fs::read_dir(&out)?
+            .map(|entry| Ok(entry?.file_name().into_string().unwrap_or_default()))
+            .collect::<std::io::Result<Vec<_>>>()?;
+        written.sort();
+        assert_eq!(written, ["calibration.json", "figures", "history.csv", "report.html"]);
+        assert!(out.join("figures/gyro-scale.svg").is_file() && out.join("figures/gyro-scale.csv").is_file());
     }
     Ok(())
 }

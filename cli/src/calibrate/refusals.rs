@@ -1,0 +1,43 @@
+//! Watching what a pass leaves out of the reference.
+
+use serde::Serialize;
+use sinscal::{Filter, Observer, Refusal, Strapdown};
+
+/// Refusals of a channel that follow one another within this time are one stretch, s.
+const TOGETHER: f64 = 10.0;
+
+/// Readings of one channel that were left out one after the other.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Stretch {
+    pub(super) channel: &'static str,
+    /// `outlier` or `repeated`.
+    pub(super) why: &'static str,
+    pub(super) first_s: f64,
+    pub(super) last_s: f64,
+    pub(super) readings: u64,
+}
+
+/// What a pass left out of the reference.
+#[derive(Default)]
+pub(super) struct Refusals {
+    pub(super) stretches: Vec<Stretch>,
+}
+
+impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Refusals {
+    fn refused(&mut self, time: f64, channel: &'static str, why: Refusal) {
+        let why = match why {
+            Refusal::Outlier => "outlier",
+            Refusal::Repeated => "repeated",
+        };
+        let open = self.stretches.iter_mut().rev().find(|stretch| stretch.channel == channel);
+        match open.filter(|stretch| stretch.why == why && time <= stretch.last_s + TOGETHER) {
+            Some(stretch) => {
+                stretch.last_s = time;
+                stretch.readings += 1;
+            }
+            None => {
+                self.stretches.push(Stretch { channel, why, first_s: time, last_s: time, readings: 1 });
+            }
+        }
+    }
+}

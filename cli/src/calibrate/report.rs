@@ -1,0 +1,65 @@
+//! The report of a calibration.
+
+use miette::Result;
+use sinscal::{FilterInfo, StateInfo};
+
+use super::run::{Options, Outcome};
+use super::text;
+use crate::figures::significant;
+use crate::log::Log;
+use crate::report::inputs::Inputs;
+use crate::report::{Report, Tone, origin, parts};
+
+/// Everything about a calibration, in the order a reviewer reads.
+pub(super) fn report(log: &Log, filter: &FilterInfo, options: Options, outcome: &Outcome) -> Result<Report> {
+    let known = origin::truth_beside(log)?;
+    let of = known.as_ref().map(|truth| move |info: &StateInfo| truth.of(info));
+    let truth = of.as_ref().map(|of| of as &dyn Fn(&StateInfo) -> f64);
+    let (parameters, history) = (&outcome.parameters, &outcome.history);
+    let lever = log.description().outer_lever;
+    let centre = |info: &StateInfo| match (info.block, info.component) {
+        ("outer-lever-arm", component) => {
+            ["x", "y", "z"].iter().position(|c| *c == component).map_or(0.0, |i| lever[i])
+        }
+        _ => 0.0,
+    };
+    let estimated = parameters.iter().filter(|parameter| parameter.estimated).count();
+    let statistics = &outcome.statistics;
+    let mut facts = vec![
+        ("NIS per degree of freedom".into(), format!("{:.3}", statistics.nis_per_dof())),
+        ("parameters estimated".into(), format!("{estimated} of {}", parameters.len())),
+        ("updates".into(), statistics.updates.to_string()),
+        ("outliers rejected".into(), statistics.rejected.to_string()),
+        ("duration".into(), format!("{:.0} s", outcome.duration)),
+        ("log-likelihood".into(), format!("{:.1}", statistics.log_likelihood)),
+    ];
+    if let Some(truth) = truth {
+        let errors =
+            parameters.iter().filter(|p| p.estimated).map(|p| ((p.value - truth(&p.info)) / p.sigma).abs());
+        let largest = errors.fold(0.0, f64::max);
+        facts.push(("largest error against the truth".into(), format!("{} sigma", significant(largest))));
+    }
+    let mut sections = vec![
+        parts::numbers(parameters, &|i| history.converged(i, outcome.start), truth),
+        parts::forest(parameters, &centre, truth),
+        parts::convergence(parameters, history, truth),
+    ];
+    sections.extend(outcome.residuals.as_deref().map(|channels| parts::residuals("Residuals", "", channels)));
+    sections.push(Inputs::of(log)?.section());
+    let report = Report {
+        title: format!("Calibration of {} with {}", log.table().display(), filter.name),
+        verdict: text::verdict(filter.name, outcome),
+        tone: if text::fits(statistics) { Tone::Good } else { Tone::Bad },
+        facts,
+        sections,
+        origin: Vec::new(),
+        attachments: Vec::new(),
+    };
+    let measures = filter.measures().collect::<Vec<_>>().join(" and ");
+    Ok(report
+        .with_program()
+        .with("filter", format!("{}: {} states, measures {measures}", filter.name, filter.states))
+        .with("passes", options.passes.to_string())
+        .with("covariance", options.form.name())
+        .with_log(log))
+}

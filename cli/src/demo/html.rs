@@ -1,0 +1,114 @@
+//! The report of the demonstration.
+
+use sinscal::StateInfo;
+
+use super::story::{Fit, PATHS, Story};
+use super::{fit, hidden, largest_error};
+use crate::figures::significant;
+use crate::report::{Item, Report, Section, Table, Tone, diagnosis, number, parts, text};
+
+/// Everything that happened, in the order a reviewer reads.
+pub(super) fn report(story: &Story) -> Report {
+    let truth_of = |info: &StateInfo| story.truth.of(info);
+    let truth: parts::Truth = Some(&truth_of);
+    let mut page =
+        diagnosis::report(&story.found, format!("Demonstration: {} hidden in a unit", story.hidden.name()));
+    // of a hidden effect only its name is good news
+    let named = story.found.effects.len() == 1 && story.found.effects[0].name == story.hidden.name();
+    page.tone = if named { Tone::Good } else { Tone::Bad };
+    let miles = |fit: &Fit| format!("{:.3}", fit.largest());
+    let navigation = match &story.after {
+        Some(after) => format!("{} to {} nmi", miles(&story.before), miles(after)),
+        None => format!("{} nmi", miles(&story.before)),
+    };
+    page.facts.push((format!("largest error in {:.0} h of navigation", story.before.hours()), navigation));
+    let mut sections = vec![what_happened(story)];
+    sections.append(&mut page.sections);
+    if !story.found.effects.is_empty() {
+        sections.insert(2, diagnosis::against_truth(&story.found, &story.truth));
+    }
+    // remarks and source come when the story is told
+    let told =
+        sections.iter().position(|section| ["Remarks", "Declaration"].contains(&section.title.as_str()));
+    let appendix = sections.split_off(told.unwrap_or(sections.len()));
+    let last = story.after.as_ref().unwrap_or(&story.before);
+    sections.push(side_by_side(story));
+    let tracks = [("before", Some(&story.before)), ("after", story.after.as_ref())];
+    let tracks = tracks.into_iter().filter_map(|(name, fit)| Some((name, fit?.track.as_slice())));
+    sections.push(parts::navigation(tracks));
+    sections.push(parts::numbers(&last.parameters, &|i| last.history.converged(i, 0.0), truth));
+    sections.push(parts::forest(&last.parameters, &|_| 0.0, truth));
+    sections.push(parts::convergence(&last.parameters, &last.history, truth));
+    if let Some(after) = &story.after {
+        sections.push(parts::residuals("Residuals before", "before-", &story.before.residuals));
+        sections.push(parts::residuals("Residuals after", "after-", &after.residuals));
+    } else {
+        sections.push(parts::residuals("Residuals", "", &story.before.residuals));
+    }
+    sections.push(story.first.inputs().section());
+    sections.extend(appendix);
+    page.sections = sections;
+    page.with_program()
+        .with("seed", story.seed.to_string())
+        .with("simulation", story.first.description.title.clone())
+}
+
+fn what_happened(story: &Story) -> Section {
+    let found: Vec<&str> = story.found.effects.iter().map(|effect| effect.name.as_str()).collect();
+    let found = if found.is_empty() { "nothing".to_owned() } else { found.join(" and ") };
+    let mut lines = vec![
+        format!(
+            "Unit {} of the default population was drawn. Hidden in it: {}.",
+            story.seed,
+            hidden(story.hidden, &story.truth)
+        ),
+        format!("It was simulated {}, and once more {}.", PATHS[0], PATHS[1]),
+        format!(
+            "{}, which lacks the effect, calibrated the first run: {}.",
+            story.base,
+            fit(&story.before, &story.truth)
+        ),
+        format!("The diagnosis was told neither what is hidden nor how large it is. It found: {found}."),
+    ];
+    if let Some(after) = &story.after {
+        lines.push(format!(
+            "The filter with what was found calibrated the first run again: {}.",
+            fit(after, &story.truth)
+        ));
+    }
+    lines.push(format!(
+        "With each calibration the unit then navigated for {:.0} h while it swung.",
+        story.before.hours()
+    ));
+    Section::new("What happened", vec![Item::List(lines)])
+}
+
+/// The filters against each other and against the truth.
+fn side_by_side(story: &Story) -> Section {
+    let row = |name: &str, fit: &Fit| {
+        vec![
+            text(name),
+            number(fit.parameters.len().to_string()),
+            number(format!("{:.3}", fit.statistics.nis_per_dof())),
+            number(format!("{:.1}", fit.statistics.log_likelihood)),
+            number(significant(largest_error(&fit.parameters, &story.truth))),
+            number(format!("{:.3}", fit.largest())),
+            number(format!("{:.3}", fit.last())),
+        ]
+    };
+    let mut rows = vec![row(story.base, &story.before)];
+    if let Some(after) = &story.after {
+        let names: Vec<&str> = story.found.effects.iter().map(|effect| effect.name.as_str()).collect();
+        rows.push(row(&format!("{} + {}", story.base, names.join(" + ")), after));
+    }
+    let head = [
+        "filter",
+        "parameters",
+        "NIS per degree of freedom",
+        "log-likelihood",
+        "largest error of a parameter, sigmas",
+        "largest error of navigation, nmi",
+        "at the end, nmi",
+    ];
+    Section::new("What the finding is worth", vec![Table::new("", &head, rows).into()])
+}

@@ -1,0 +1,196 @@
+//! Opens every kind of report in a headless Chromium: no message on the console, nothing asked from elsewhere, every figure
+//! drawn. Screenshots go to the target folder. Without Chromium the tests say so and pass.
+
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+type Done = Result<(), Box<dyn Error>>;
+
+/// A short path with what the filters need to run.
+const SCENARIO: &str = r#"
+[imu]
+rate = "10 Hz"
+[motion]
+path = "turns"
+still = "60 s"
+dwell = "20 s"
+turns = [
+  { axis = "x", angle = "90 deg" }, { axis = "y", angle = "90 deg" }, { axis = "z", angle = "90 deg" },
+  { axis = "x", angle = "180 deg" }, { axis = "y", angle = "180 deg" }, { axis = "z", angle = "180 deg" },
+]
+"#;
+
+/// The browser, where there is one.
+fn chromium() -> Option<&'static str> {
+    let works = |name: &&str| {
+        Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success())
+    };
+    let found = ["chromium", "chromium-browser", "google-chrome"].into_iter().find(works);
+    if found.is_none() {
+        println!("skipped: there is no Chromium on this machine (Debian: apt-get install chromium)");
+    }
+    found
+}
+
+/// What the browser made of a page.
+struct Opened {
+    document: String,
+    console: Vec<String>,
+}
+
+/// Opens a page; `more` are arguments such as what is to be written where.
+fn open(browser: &str, page: &Path, more: &[String]) -> Result<Opened, Box<dyn Error>> {
+    let profile = tempfile::tempdir()?;
+    let output = Command::new(browser)
+        .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run"])
+        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+        .args(["--virtual-time-budget=8000", "--enable-logging=stderr", "--dump-dom"])
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .args(more)
+        .arg(format!("file://{}", page.canonicalize()?.display()))
+        .output()?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    Ok(Opened {
+        document: String::from_utf8_lossy(&output.stdout).into_owned(),
+        console: said.lines().filter(|line| line.contains("CONSOLE")).map(str::to_owned).collect(),
+    })
+}
+
+fn sinscal(arguments: &[&str]) -> Done {
+    let output = Command::new(env!("CARGO_BIN_EXE_sinscal")).args(arguments).output()?;
+    if output.status.success() {
+        return Ok(());
+    }
+    Err(format!("{arguments:?}: {}", String::from_utf8_lossy(&output.stderr)).into())
+}
+
+/// Where screenshots go.
+fn shots() -> Result<PathBuf, Box<dyn Error>> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reports");
+    fs::create_dir_all(&folder)?;
+    Ok(folder)
+}
+
+/// Opens a report and checks it; `sections` are words of headings that must be there.
+fn check(browser: &str, name: &str, page: &Path, sections: &[&str]) -> Done {
+    let shot = shots()?.join(format!("{name}.png"));
+    // a picture left from another run must not stand for this one
+    let _ = fs::remove_file(&shot);
+    let more = ["--window-size=1280,4000".into(), format!("--screenshot={}", shot.display())];
+    let opened = open(browser, page, &more)?;
+    assert!(opened.console.is_empty(), "{name}: {:#?}", opened.console);
+    let figures = opened.document.matches("data-figure=").count();
+    assert!(
+        opened.document.contains(&format!("data-drawn=\"{figures}\"")),
+        "{name}: not all {figures} figures drawn"
+    );
+    assert_eq!(opened.document.matches("<canvas").count(), figures, "{name}");
+    for section in sections.iter().chain(&["Where this comes from", "verdict", "sinscal 0."]) {
+        assert!(opened.document.contains(section), "{name}: {section} is missing");
+    }
+    // the script and the library are in the page; nothing in it has an address elsewhere
+    for address in ["src=\"", "href=\"http", "url(http", "<iframe", "<object"] {
+        assert!(!opened.document.contains(address), "{name}: {address}");
+    }
+    let size = fs::metadata(&shot).map(|file| file.len())?;
+    assert!(size > 20_000, "{name}: a screenshot of {size} bytes");
+    Ok(())
+}
+
+#[test]
+fn the_browser_would_complain() -> Done {
+    let Some(browser) = chromium() else { return Ok(()) };
+    let folder = tempfile::tempdir()?;
+    let page = folder.path().join("page.html");
+    for (body, word) in [
+        ("<script>nothingOfThisName()</script>", "nothingOfThisName"),
+        ("<img src=\"http://127.0.0.1:9/x.png\">", "127.0.0.1"),
+    ] {
+        let policy = "default-src 'none'; script-src 'unsafe-inline'";
+        fs::write(
+            &page,
+            format!("<meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">{body}"),
+        )?;
+        let console = open(browser, &page, &[])?.console.join("\n");
+        assert!(console.contains(word), "{body}: {console}");
+    }
+    Ok(())
+}
+
+#[test]
+fn reports_of_logs() -> Done {
+    let Some(browser) = chromium() else { return Ok(()) };
+    let folder = tempfile::tempdir()?;
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    fs::write(folder.path().join("scenario.toml"), SCENARIO)?;
+    let (log, scenario) = (at("log"), at("scenario.toml"));
+    let page = |name: &str| folder.path().join(name).join("report.html");
+
+    sinscal(&["simulate", "--scenario", &scenario, "--out", &log])?;
+    check(browser, "simulate", &folder.path().join("log.html"), &["The true unit", "Angular rate"])?;
+    sinscal(&["calibrate", &log, "--filter", "43d-b", "--out", &at("calibrate")])?;
+    check(
+        browser,
+        "calibrate",
+        &page("calibrate"),
+        &["Numbers", "Convergence", "Residuals", "put through", "truth"],
+    )?;
+    sinscal(&["observe", &log, "--filter", "43d-b", "--out", &at("observe")])?;
+    check(browser, "observe", &page("observe"), &["Degrees of observability", "Singular values"])?;
+    sinscal(&["diagnose", &log, "--filter", "36d-p", "--out", &at("diagnose")])?;
+    check(browser, "diagnose", &page("diagnose"), &["Rivals", "Remarks"])?;
+    let calibration = at("calibrate/calibration.json");
+    sinscal(&["navigate", &log, "--calibration", &calibration, "--align", "30", "--out", &at("navigate")])?;
+    check(browser, "navigate", &page("navigate"), &["Horizontal error"])?;
+    sinscal(&["ablate", &log, "--swing", &log, "--align", "30", "--out", &at("ablate")])?;
+    check(browser, "ablate", &page("ablate"), &["Side by side", "Horizontal error"])?;
+
+    // on a phone, in the dark, on paper
+    let report = page("calibrate");
+    for (name, arguments) in
+        [("phone", "--window-size=500,4000"), ("dark", "--blink-settings=preferredColorScheme=0")]
+    {
+        let shot = format!("--screenshot={}", shots()?.join(format!("calibrate-{name}.png")).display());
+        let console = open(browser, &report, &[arguments.into(), shot])?.console;
+        assert!(console.is_empty(), "{name}: {console:#?}");
+    }
+    let pdf = shots()?.join("calibrate.pdf");
+    let console = open(browser, &report, &[format!("--print-to-pdf={}", pdf.display())])?.console;
+    assert!(console.is_empty(), "print: {console:#?}");
+    Ok(())
+}
+
+#[test]
+fn reports_of_many_units() -> Done {
+    let Some(browser) = chromium() else { return Ok(()) };
+    let folder = tempfile::tempdir()?;
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    fs::write(folder.path().join("scenario.toml"), SCENARIO)?;
+    let scenario = at("scenario.toml");
+    let page = |name: &str| folder.path().join(name).join("report.html");
+    let short = ["--scenario", &scenario, "--units", "2", "--hours", "0.1"];
+
+    sinscal(&[&["campaign", "--align", "60", "--out", &at("campaign")][..], &short].concat())?;
+    check(browser, "campaign", &page("campaign"), &["Navigation", "Consistency", "Parameters of 43d-b"])?;
+    sinscal(&[&["paper", "--out", &at("paper")][..], &short].concat())?;
+    check(browser, "paper", &page("paper"), &["Table 3", "Figs. 4 and 5", "Figs. 7 to 14", "Fig. 3"])
+}
+
+/// A whole demonstration, for each of two effects: a minute or two each in a debug build.
+#[test]
+#[ignore = "runs whole demonstrations: minutes"]
+fn reports_of_demonstrations() -> Done {
+    let Some(browser) = chromium() else { return Ok(()) };
+    for hide in ["accel-delay", "dither-size-effect"] {
+        let folder = tempfile::tempdir()?;
+        let out = folder.path().display().to_string();
+        sinscal(&["demo", "--hide", hide, "--out", &out])?;
+        let page = folder.path().join("report.html");
+        let sections =
+            ["What happened", "Against the truth", "Before and after", "Where it shows", "Residuals after"];
+        check(browser, &format!("demo-{hide}"), &page, &sections)?;
+    }
+    Ok(())
+}
