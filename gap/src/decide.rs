@@ -16,7 +16,7 @@ const KEPT: f64 = 0.5;
 /// ...and must carry this part of what the whole set gains.
 const SHARE: f64 = 0.01;
 
-/// A family that passes its threshold by less than three decades may be chance; where the second log is silent, it is.
+/// What passes its threshold by less than three decades may be chance; where the second log is silent, it is.
 const WEAK: f64 = 6.907_755_278_982_137;
 
 /// What was decided, in numbers of groups of the first scene.
@@ -90,6 +90,10 @@ fn exchanged(
 
 pub(crate) fn decide(first: &Scene, second: Option<&Scene>, open: Option<&Open>, threshold: f64) -> Decision {
     let among = first.excited();
+    if is_chance(first, second, open, &among, threshold) {
+        let none = Tried::new(&first.prices, Vec::new(), &among);
+        return nothing_named(first, Search { sets: vec![none], adequate: true }, Vec::new());
+    }
     let mut found = search(&first.prices, &among, threshold);
     let mut loud = open.map_or(Vec::new(), |o| o.loud(&found.sets[0].groups));
     if found.sets[0].groups.is_empty() && !loud.is_empty() {
@@ -106,9 +110,6 @@ pub(crate) fn decide(first: &Scene, second: Option<&Scene>, open: Option<&Open>,
         }
     }
     if found.sets[0].groups.is_empty() {
-        let weak = loud.first().is_some_and(|l| open.is_some_and(|o| l.1.ln_p > o.threshold - WEAK));
-        let chance = weak && second.is_some_and(|s| is_silent(s, open, threshold));
-        let loud = if chance { Vec::new() } else { loud };
         return nothing_named(first, found, loud);
     }
     let mut sets: Vec<(Standing, Tried)> = found
@@ -155,6 +156,20 @@ pub(crate) fn decide(first: &Scene, second: Option<&Scene>, open: Option<&Open>,
     };
     judge(first, second, open, &mut decision, clean);
     decision
+}
+
+/// Whether what is significant is so by little, and nothing is in the second log.
+fn is_chance(
+    first: &Scene,
+    second: Option<&Scene>,
+    open: Option<&Open>,
+    among: &[usize],
+    threshold: f64,
+) -> bool {
+    let library = first.prices.worst(among.iter().copied()).map_or(0.0, |(_, score)| score.ln_p - threshold);
+    let loudest = open.and_then(|o| o.loud(&[]).first().map(|loud| loud.1.ln_p - o.threshold));
+    let most = loudest.map_or(library, |families| families.min(library));
+    most < 0.0 && most > -WEAK && second.is_some_and(|s| is_silent(s, open, threshold))
 }
 
 /// Whether nothing is significant in the second log, on top of the base filter, by the thresholds of the first.

@@ -10,8 +10,10 @@ use crate::recording::Recording;
 const CAP: f64 = 3.5;
 /// Noise that is certainly more than this may hide anything.
 pub(crate) const TRUSTED: f64 = 3.0;
-/// "Certainly": so much worse is the objective at the trusted scale.
+/// "Certainly": the objective is so much worse at the other scale.
 const CERTAIN: f64 = 2.0;
+/// Less noise than stated makes chance significant: it takes more than that to be believed.
+const MORE_CERTAIN: f64 = 8.0;
 /// Steps the fit looks at, about.
 const STEPS: usize = 900;
 /// Standard deviation of the logarithm of a scale before the fit.
@@ -115,6 +117,15 @@ pub(crate) fn fit(recording: &Recording) -> (Noise, bool) {
         x = tries[best];
         if moved < 0.02 {
             break;
+        }
+    }
+    for i in (0..3).filter(|i| x[*i] < 0.0).collect::<Vec<_>>() {
+        let mut stated = x;
+        stated[i] = 0.0;
+        if let &[fitted, other] = objectives(recording, &[x, stated]).as_slice()
+            && other > fitted - MORE_CERTAIN
+        {
+            x = stated;
         }
     }
     let beyond: Vec<Vector3<f64>> = (0..3)

@@ -6,7 +6,9 @@ use gap::{Diagnosis, Options, Verdict};
 const QUICK: Options = Options { seed: 1, false_alarms: 0.01, rerun: false };
 
 fn diagnose(seed: u64, hidden: Hidden, options: &Options) -> (Diagnosis, Grade) {
-    let case = Case::with(seed, hidden).unwrap();
+    // the dither acts through inner lever arms: the filter that it is hidden from knows those
+    let dithers = format!("{hidden:?}").contains("dither");
+    let case = Case::with(seed, if dithers { "39d-p" } else { "36d-p" }, hidden).unwrap();
     let d = case.diagnose(options).unwrap();
     let grade = case.grade(&d);
     (d, grade)
