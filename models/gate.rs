@@ -231,7 +231,9 @@ mod tests {
         // innovations that grow to a thousand times the expected, as those of a filter that lacks an effect
         let grown =
             || (0..4000).map(|i| 1000_f64.min(1.005_f64.powi(i)) * if i % 20 == 0 { 5.0 } else { 0.3 });
-        assert_eq!(verdicts(&mut group, grown()), (0, 0));
+        // the first pass learns how large they are, and may lose some of them; a further one knows
+        let (refused, reopened) = verdicts(&mut group, grown());
+        assert!(refused < 4000 / 200 && reopened == 0, "{refused}, {reopened}");
         assert_eq!(verdicts(&mut group.again(), grown()), (0, 0));
     }
 

@@ -10,6 +10,9 @@ use crate::{Array, Real, Shape};
 /// Every kernel computes entry (i, j) and entry (j, i) by the same operations in the same order, so that P is
 /// symmetric to the bit and never needs to be symmetrised. The update is `P - Y'Y` with `Y = L^-1 H P` and
 /// `L L' = H P H' + R`.
+///
+/// With priors further apart than any unit's, fifteen orders of magnitude, rounding can make it indefinite; an innovation covariance
+/// that is not positive definite is then an error. [`Ud`](crate::Ud) stays definite.
 #[derive(Clone, Copy, Debug)]
 pub struct Conventional;
 
@@ -150,6 +153,15 @@ pub(crate) fn update<S: Shape, T: Real, M: Machine>(
             *p -= *value;
         }
     });
+    // what was measured far better than it was known is a small difference of large numbers: it is known no better than
+    // those are rounded, and certainly not better than exactly
+    for i in 0..width {
+        let mut removed = T::zero();
+        for m in 0..S::ROWS {
+            removed += y[m][i] * y[m][i];
+        }
+        cov[i][i] = cov[i][i].max(removed * T::default_epsilon());
+    }
     Some(whitened)
 }
 

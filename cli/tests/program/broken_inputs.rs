@@ -185,9 +185,8 @@ fn rows() -> Vec<Case> {
                     .for_each(|a| t.rename(&format!("dtheta_{a}"), &format!("gyro_pulse_{a}")))
             }),
             &[
-                "column `gyro_pulse_x`: holds pulse counts",
                 "log.toml lacks imu.gyro_rad_per_pulse",
-                "coarse stage",
+                "a coarse calibration needs at least 6 still positions",
             ],
         ),
         (Rows(|t| t.drop_rows(1..=400)), &["has no rows"]),

@@ -97,7 +97,7 @@ fn a_calibration_is_applied_or_refused() -> Done {
     for (from, to, wanted) in [
         ("\"40d-p\"", "\"40d-q\"", "field `filter`: there is no filter called 40d-q"),
         ("\"accel-delay\"", "\"accel-delays\"", "40d-p has no parameter `accel-delays tau`"),
-        ("\"filter\"", "\"fitter\"", "missing field `filter`"),
+        ("\"filter\"", "\"fitter\"", "field `filter`: is missing"),
     ] {
         fs::write(&path, whole.replacen(from, to, 1))?;
         let output = sinscal(&["navigate", &log, "--calibration", &calibration])?;
