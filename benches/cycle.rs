@@ -119,7 +119,8 @@ fn forms(bench: &mut Bench) {
 
     let nalgebra = Dense::new(&case);
     let start = M::from_fn(|i, j| case.p[i][j]);
-    let peers: [(&str, fn(&Dense, &mut M)); 3] = [
+    type Peer = (&'static str, fn(&Dense, &mut M));
+    let peers: [Peer; 3] = [
         ("nalgebra static, nine rows", Dense::nine_rows),
         ("nalgebra static, (I-KH)P", |dense, p| dense.cycle(p, false)),
         ("nalgebra static, Joseph", |dense, p| dense.cycle(p, true)),

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 use rig::{Scenario, Simulation};
-use sinscal::{Calibration, Conventional, Filter, Form, Sample, Sins43B, Ud};
+use sinscal::{Calibration, Conventional, Form, Sample, Sins43B, Ud};
 
 /// Least eigenvalue of the correlations of all states.
 fn least_eigenvalue<C: Form>(run: &Calibration<Sins43B, C>) -> f64 {
