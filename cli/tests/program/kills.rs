@@ -14,7 +14,11 @@ const SCENARIO: &str = "[motion]\npath = \"swing\"\nstart = \"ENU\"\nduration = 
 const UNITS: usize = 16;
 
 fn campaign(folder: &Path, out: &str, more: &[&str]) -> std::io::Result<Child> {
-    fs::write(folder.join("s.toml"), SCENARIO)?;
+    // not under the eyes of a campaign that is reading it
+    let scenario = folder.join("s.toml");
+    if !scenario.exists() {
+        fs::write(scenario, SCENARIO)?;
+    }
     Command::new(env!("CARGO_BIN_EXE_sinscal"))
         .args(["campaign", "--units", &UNITS.to_string(), "--scenario", "s.toml", "--hours", "0"])
         .args(["--filters", "36d-p,43d-b", "--out", out])
