@@ -126,16 +126,17 @@ impl Open {
         rivals
     }
 
-    /// Log of the e-value of family `g` on another log. What happened once, at its time, says nothing about another log.
+    /// Log of the e-value of family `g` on another log. What happens at its time has another value there, if it happens again:
+    /// then what the other log says by itself counts.
     fn carried(&self, g: usize, other: &Self) -> f64 {
         let group = &self.prices.groups[g];
-        if group.name.starts_with("step") || group.name.starts_with(RANDOM_WALK) {
-            return 0.0;
-        }
         let Some(there) = other.prices.groups[..other.families].iter().position(|o| o.name == group.name)
         else {
             return 0.0;
         };
+        if group.name.starts_with("step") || group.name.starts_with(RANDOM_WALK) {
+            return other.prices.likelihood(&[there], other.updates).max(0.0);
+        }
         let Some((mut mean, mut covariance)) = self.prices.posterior(&[g]) else { return 0.0 };
         let scale: Vec<f64> = group
             .members
