@@ -48,9 +48,12 @@ pub(crate) fn coarse(log: &mut Log) -> Result<()> {
     for sample in log.samples()? {
         coarse.push(&sample?);
     }
-    let found = coarse
-        .finish(log.unknown_pulses(), description.initial.as_ref())
-        .map_err(|error| miette!("{}: {error}", log.table().display()))?;
+    let found = coarse.finish(log.unknown_pulses(), description.initial.as_ref());
+    let found =
+        found.map_err(|error| match log.lacking_scale(&format!("{error}; or give the sizes there")) {
+            Some(fault) => fault.into(),
+            None => miette!("{}: {error}", log.table().display()),
+        })?;
     log.correct(found);
     Ok(())
 }
