@@ -48,18 +48,12 @@ pub(crate) fn coarse(log: &mut Log) -> Result<()> {
     for sample in log.samples()? {
         coarse.push(&sample?);
     }
-    let unknown = log.unknown_pulses();
-    let found = coarse.finish(unknown, description.initial.as_ref()).map_err(|error| {
-        let lacking = [(unknown.gyro, "imu.gyro_rad_per_pulse"), (unknown.accel, "imu.accel_m_s_per_pulse")];
-        let lacking: Vec<&str> = lacking.iter().filter(|field| field.0).map(|field| field.1).collect();
-        let (table, description) = (log.table().display(), log.table().with_extension("toml"));
-        if lacking.is_empty() {
-            miette!("{table}: {error}")
-        } else {
-            let (description, fields) = (description.display(), lacking.join(" and "));
-            miette!("{table}: {error}; it is needed because {description} lacks {fields}")
-        }
-    })?;
+    let found = coarse.finish(log.unknown_pulses(), description.initial.as_ref());
+    let found =
+        found.map_err(|error| match log.lacking_scale(&format!("{error}; or give the sizes there")) {
+            Some(fault) => fault.into(),
+            None => miette!("{}: {error}", log.table().display()),
+        })?;
     log.correct(found);
     Ok(())
 }

@@ -120,17 +120,17 @@ impl core::fmt::Display for CoarseError {
         match self {
             Self::TooFewPositions { found } => write!(
                 f,
-                "a coarse calibration needs at least {FEWEST_POSITIONS} still positions of two seconds and more with turns \
+                "the coarse stage needs at least {FEWEST_POSITIONS} still positions of two seconds and more with turns \
                  between them, and a log that begins with five seconds of stillness: {found} positions were found"
             ),
             Self::PulsesUnclear => write!(
                 f,
                 "the size of a pulse does not follow from the still positions: each accelerometer must point up in some of \
-                 them and down in others; give the sizes in [imu]"
+                 them and down in others"
             ),
             Self::NoFit { residual } => write!(
                 f,
-                "no coarse calibration explains the still positions and the turns between them: {residual:.2} m/s^2 are left \
+                "the coarse stage does not explain the still positions and the turns between them: {residual:.2} m/s^2 are left \
                  of gravity from position to position"
             ),
         }

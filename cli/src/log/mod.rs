@@ -63,18 +63,21 @@ impl Log {
     /// Finds the files of a log, reads the description and checks the columns. Pulses must have known sizes.
     pub(crate) fn open(log: &Path) -> Result<Self, LogError> {
         let log = Self::open_counting(log)?;
-        for (unknown, group, field) in [
-            (log.unknown.gyro, Group::GYRO_PULSE, "gyro_rad_per_pulse"),
-            (log.unknown.accel, Group::ACCEL_PULSE, "accel_m_s_per_pulse"),
-        ] {
-            if unknown {
-                let problem = format!("holds pulse counts, but the description lacks imu.{field}");
-                let help = "give the size of a pulse on each axis; where the log has still positions, \
-                            `sinscal calibrate` finds it and says what to write";
-                return Err(LogError::column(&log.table, group.names()[0], problem).help(help));
-            }
-        }
-        Ok(log)
+        let help = "give the size of a pulse on each axis; where the log has still positions, `sinscal calibrate` finds it \
+                    and says what to write";
+        log.lacking_scale(help).map_or(Ok(log), Err)
+    }
+
+    /// The fault that pulses have no size, if some have none; `help` says what can be done.
+    pub(crate) fn lacking_scale(&self, help: &str) -> Option<LogError> {
+        let (group, field) = match self.unknown {
+            UnknownPulses { gyro: true, .. } => (Group::GYRO_PULSE, "gyro_rad_per_pulse"),
+            UnknownPulses { accel: true, .. } => (Group::ACCEL_PULSE, "accel_m_s_per_pulse"),
+            UnknownPulses { .. } => return None,
+        };
+        let description = self.table.with_extension("toml");
+        let problem = format!("holds pulse counts, but {} lacks imu.{field}", description.display());
+        Some(LogError::column(&self.table, group.names()[0], problem).help(help))
     }
 
     /// The same with pulses of unknown size: until [`correct`](Self::correct) says it, samples hold counts.

@@ -105,11 +105,15 @@ fn before_and_after(found: &Diagnosis) -> Option<Section> {
         let Some(gap) = gap else { continue };
         let unit = if gap.free_run_of == "position" { "m" } else { "m/s" };
         let prediction = format!("{} predicted over {:.0} s, {unit}", gap.free_run_of, gap.horizon_s);
+        let navigated = gap.horizontal.map(|horizontal| {
+            let what = "free-inertial with the first log's values, horizontal, m".to_owned();
+            (what, horizontal.before_m, horizontal.after_m)
+        });
         let lines = [
             ("innovations by their sigma, RMS".to_owned(), gap.rms_before, gap.rms_after),
             (prediction, gap.free_run_before, gap.free_run_after),
         ];
-        for (what, before, after) in lines {
+        for (what, before, after) in lines.into_iter().chain(navigated) {
             let largest = before.max(after);
             let bar = |value: f64| Cell::Bar(value / largest, significant(value));
             rows.push(vec![text(log), text(what), bar(before), bar(after)]);

@@ -185,7 +185,8 @@ fn rows() -> Vec<Case> {
                     .for_each(|a| t.rename(&format!("dtheta_{a}"), &format!("gyro_pulse_{a}")))
             }),
             &[
-                "log.toml lacks imu.gyro_rad_per_pulse",
+                "column `gyro_pulse_x`: holds pulse counts",
+                "lacks imu.gyro_rad_per_pulse",
                 "a coarse calibration needs at least 6 still positions",
             ],
         ),

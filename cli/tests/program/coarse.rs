@@ -107,3 +107,27 @@ fn a_hand_carried_unit_finds_the_size_of_its_pulses() -> Done {
     count(&log, &counts, sizes)?;
     compare(&calibrate(&log, "mems-30d")?, &calibrate(&counts, "mems-30d")?, sizes, 0.3)
 }
+
+/// Errors far beyond the priors are noticed, and the coarse stage deals with them.
+#[test]
+fn large_errors_are_noticed_and_captured() -> Done {
+    let folder = tempfile::tempdir()?;
+    let log = folder.path().join("log").display().to_string();
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/large-errors.toml");
+    let run = |arguments: &[&str]| Command::new(env!("CARGO_BIN_EXE_sinscal")).args(arguments).output();
+    assert!(run(&["simulate", "--scenario", scenario, "--out", &log])?.status.success());
+    let without = run(&["calibrate", &log, "--filter", "43d-b", "--passes", "1"])?;
+    assert!(String::from_utf8_lossy(&without.stderr).contains("try --coarse"));
+    let with =
+        run(&["calibrate", &log, "--filter", "43d-b", "--coarse", "--smooth", "--out", &format!("{log}.d")])?;
+    assert!(with.status.success() && with.stderr.is_empty(), "{}", String::from_utf8_lossy(&with.stderr));
+    let said = String::from_utf8_lossy(&with.stdout).into_owned();
+    assert!(said.contains("43d-b fits") && said.contains("19 still positions and 18 turns"), "{said}");
+    let trajectory = fs::read_to_string(format!("{log}.d/trajectory.csv"))?;
+    assert!(trajectory.starts_with("time_s,quat_w,") && trajectory.contains("pos_u.sigma\n"));
+    for line in trajectory.lines().skip(1) {
+        let numbers: Vec<f64> = line.split(',').map(str::parse).collect::<Result<_, _>>()?;
+        assert!(numbers.len() == 20 && numbers[11..].iter().all(|sigma| *sigma > 0.0), "{line}");
+    }
+    Ok(())
+}

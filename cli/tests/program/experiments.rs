@@ -42,6 +42,7 @@ fn bad_usage_is_exit_code_2() -> Done {
         &["campaign", "--units", "4", "--shard", "5/4", "--out", "x"],
         &["campaign", "--units", "4", "--shard", "1/4"],
         &["campaign", "merge"],
+        &["campaign", "map", "--factors", "1,-1"],
         &["paper", "--hours", "-1"],
     ] {
         let output = sinscal(arguments)?;
@@ -161,5 +162,23 @@ fn a_campaign_is_the_same_in_one_go_taken_up_again_and_in_shards() -> Done {
     let other = run(&["--out", &whole, "--passes", "1"])?;
     assert_eq!(other.status.code(), Some(1));
     assert!(text(&other.stderr).contains("field `passes`"), "{}", text(&other.stderr));
+    Ok(())
+}
+
+#[test]
+fn a_map_has_every_combination_of_sizes() -> Done {
+    let folder = tempfile::tempdir()?;
+    let scenario = folder.path().join("short.toml");
+    fs::write(&scenario, "[motion]\npath = \"still\"\nduration = \"120 s\"\n")?;
+    let base = ["campaign", "map", "--units", "1", "--hours", "0.1", "--factors", "0,1", "--json", "-"];
+    let map = json(&[&base[..], &["--scenario", &scenario.display().to_string()]].concat())?;
+    let cells = map["cells"].as_array().ok_or("no cells")?;
+    assert_eq!(cells.len(), 8);
+    for cell in cells {
+        let medians: Vec<f64> =
+            cell["median_m"].as_array().ok_or("none")?.iter().filter_map(Value::as_f64).collect();
+        let worse = (1..5).filter(|f| medians[*f] > medians[f - 1]).count();
+        assert_eq!((medians.len(), cell["worse"].as_array().map(Vec::len)), (5, Some(worse)), "{cell}");
+    }
     Ok(())
 }
