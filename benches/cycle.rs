@@ -16,6 +16,7 @@ use criterion::{BatchSize, Criterion};
 use nalgebra::{DMatrix, SMatrix};
 
 type M = SMatrix<f64, N, N>;
+type Peer = fn(&Dense, &mut M);
 
 /// The same with nalgebra's static matrices: the baselines of all ratios.
 struct Dense {
@@ -119,8 +120,7 @@ fn forms(bench: &mut Bench) {
 
     let nalgebra = Dense::new(&case);
     let start = M::from_fn(|i, j| case.p[i][j]);
-    type Peer = (&'static str, fn(&Dense, &mut M));
-    let peers: [Peer; 3] = [
+    let peers: [(&str, Peer); 3] = [
         ("nalgebra static, nine rows", Dense::nine_rows),
         ("nalgebra static, (I-KH)P", |dense, p| dense.cycle(p, false)),
         ("nalgebra static, Joseph", |dense, p| dense.cycle(p, true)),
