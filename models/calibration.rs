@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::compensation::Compensator;
 use crate::gate::{Gate, Verdict};
+use crate::outcome::{Diverged, Parameter, Statistics, Update};
 use crate::strapdown::{Increments, NavigationState};
 use crate::{Observer, Point, Reference, Refusal, Sample, Setup, Signals, Strapdown, Updated, earth};
 
@@ -28,83 +29,6 @@ const ESTIMATED: f64 = core::f64::consts::FRAC_1_SQRT_2;
 
 /// First of the three leading states that each channel group measures: velocity, position, attitude.
 const MEASURED: [usize; 3] = [3, 6, 0];
-
-/// One calibrated parameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameter {
-    /// Name, component and units.
-    pub info: StateInfo,
-    /// Estimate, SI.
-    pub value: f64,
-    /// Standard deviation, SI.
-    pub sigma: f64,
-    /// Prior standard deviation, SI.
-    pub prior_sigma: f64,
-    /// Whether the data say at least as much as the prior.
-    pub estimated: bool,
-}
-
-/// What a measurement update found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Update {
-    /// Time of the sample, s.
-    pub time: f64,
-    /// Normalised innovation squared.
-    pub nis: f64,
-    /// Scalar measurements used.
-    pub degrees_of_freedom: usize,
-    /// Measurement groups that the gate refused, as bits in the order of the dynamics' channels.
-    pub rejected: u32,
-}
-
-/// Sums over the updates of one pass.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Statistics {
-    /// Updates made.
-    pub updates: usize,
-    /// Scalar measurements used.
-    pub degrees_of_freedom: usize,
-    /// Sum of the normalised innovations squared.
-    pub nis: f64,
-    /// Gaussian log-likelihood of the innovations.
-    pub log_likelihood: f64,
-    /// Measurement groups that the gate refused.
-    pub rejected: usize,
-    /// Measurement groups that repeated the reading before to the bit, where readings used to differ: no news.
-    pub repeated: usize,
-    /// Times at which a reference that had been refused for long was taken to begin anew.
-    pub reopened: usize,
-}
-
-impl Statistics {
-    /// Mean normalised innovation squared per scalar measurement; 1 when prediction and data agree.
-    pub fn nis_per_dof(&self) -> f64 {
-        self.nis / self.degrees_of_freedom as f64
-    }
-}
-
-/// The filter stopped making sense.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Diverged {
-    /// Time of the sample, s.
-    pub time: f64,
-    /// What was measured then: the groups whose innovations are no numbers any more, or all that were there.
-    pub channel: &'static str,
-}
-
-impl core::fmt::Display for Diverged {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(
-            f,
-            "the filter diverged at {} s, when {} was measured: its innovations are no longer finite, or their \
-             covariance no longer positive definite. The increments, the reference and the initial attitude contradict each \
-             other beyond all sigmas",
-            self.time, self.channel
-        )
-    }
-}
-
-impl core::error::Error for Diverged {}
 
 /// A closed-loop calibration with the declared filter `F`, its covariance in form `C`.
 ///

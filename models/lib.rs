@@ -109,6 +109,7 @@ mod innovations;
 pub mod navigation;
 pub mod observability;
 mod observer;
+mod outcome;
 pub mod path;
 mod sample;
 mod signals;
@@ -136,7 +137,7 @@ pub use calib_core::{
     Block, BlockSet, BlockView, ChannelGroup, Conventional, Dim, Dynamics, Estimate, Filter, Form,
     Innovation, Kalman, Need, Real, Relaxation, Residuals, Shape, StateInfo, Transition, Ud, View,
 };
-pub use calibration::{Calibration, Diverged, Parameter, Statistics, Update};
+pub use calibration::Calibration;
 #[cfg(feature = "std")]
 pub use coarse::{Coarse, CoarseCalibration, CoarseError, CoarseParameter, UnknownPulses};
 pub use compensation::{Compensator, input_errors};
@@ -148,6 +149,7 @@ pub use filters::{
 #[cfg(feature = "std")]
 pub use innovations::{ChannelInnovations, Innovations};
 pub use observer::{Observer, Refusal, Updated};
+pub use outcome::{Diverged, Parameter, Statistics, Update};
 pub use sample::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Site};
 pub use signals::{Point, Signals};
 #[cfg(feature = "std")]
