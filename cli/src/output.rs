@@ -78,8 +78,12 @@ impl Files {
             .take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists())
             .collect();
         for folder in missing.into_iter().rev() {
-            fs::create_dir(folder).map_err(|error| failed(folder, &error))?;
-            self.made.push(folder.to_owned());
+            match fs::create_dir(folder) {
+                Ok(()) => self.made.push(folder.to_owned()),
+                // another program made it in the meantime
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => {}
+                Err(error) => return Err(failed(folder, &error)),
+            }
         }
         Ok(())
     }
@@ -248,6 +252,29 @@ mod tests {
         files.commit()?;
         assert_eq!(fs::read_to_string(out.join("one"))?, "1");
         assert_eq!(fs::read_dir(&out)?.count(), 1);
+        Ok(())
+    }
+
+    #[test]
+    fn programs_that_make_one_folder_at_once_do_not_stop_each_other() -> Result<(), Box<dyn std::error::Error>>
+    {
+        let place = tempfile::tempdir()?;
+        for round in 0..50 {
+            let out = place.path().join(round.to_string()).join("a/b");
+            let start = std::sync::Barrier::new(4);
+            let make = || {
+                let mut files = Files::default();
+                start.wait();
+                files.folder(&out)?;
+                files.commit()
+            };
+            std::thread::scope(|scope| {
+                let all = [(); 4].map(|()| scope.spawn(make));
+                all.into_iter().all(|one| one.join().is_ok_and(|made| made.is_ok()))
+            })
+            .then_some(())
+            .ok_or("one was stopped")?;
+        }
         Ok(())
     }
 }

@@ -90,21 +90,16 @@ fn a_campaign_killed_many_times_ends_the_same() -> Done {
 #[test]
 fn two_campaigns_do_not_share_a_folder_but_shards_do() -> Done {
     let folder = tempfile::tempdir()?;
-    let mut first = campaign(folder.path(), "out", &[])?;
-    let plan = folder.path().join("out/plan.json");
-    while !plan.exists() {
-        thread::sleep(Duration::from_millis(1));
-    }
-    // the first takes its lock just after the plan is there
-    thread::sleep(Duration::from_millis(20));
+    assert!(campaign(folder.path(), "out", &[])?.wait()?.success());
+    // as a campaign at work holds it
+    let plan = fs::File::open(folder.path().join("out/plan.json"))?;
+    plan.lock()?;
     let second = campaign(folder.path(), "out", &[])?.wait_with_output()?;
     let message = String::from_utf8_lossy(&second.stderr);
-    if first.try_wait()?.is_none() {
-        assert_eq!(second.status.code(), Some(1));
-        assert!(message.contains("out: another campaign is at work in this folder"), "{message}");
-        assert!(message.contains("--shard"), "{message}");
-    }
-    assert!(first.wait()?.success());
+    assert_eq!(second.status.code(), Some(1));
+    assert!(message.contains("out: another campaign is at work in this folder"), "{message}");
+    assert!(message.contains("--shard"), "{message}");
+    plan.unlock()?;
 
     let shards = ["1/2", "2/2"].map(|part| campaign(folder.path(), "shared", &["--shard", part]));
     for shard in shards {
