@@ -10,7 +10,7 @@ use crate::compensation::Compensator;
 use crate::gate::{Gate, Verdict};
 use crate::outcome::{Diverged, Parameter, Statistics, Update};
 use crate::strapdown::{Increments, NavigationState};
-use crate::{Observer, Point, Reference, Refusal, Sample, Setup, Signals, Strapdown, Updated, earth};
+use crate::{Event, Observer, Point, Reference, Refusal, Sample, Setup, Signals, Strapdown, earth};
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
 const STEP_ANGLE: f64 = 0.02;
@@ -300,8 +300,8 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         }
         let elapsed = self.transition.elapsed();
         self.kalman.predict(&self.transition, &self.density);
-        observer.predicted(&self.transition, &self.density);
-        observer.moved(&self.kalman);
+        observer.observe::<C>(Event::Predicted { transition: &self.transition, density: &self.density });
+        observer.observe(Event::Moved(&self.kalman));
         F::relaxation(&mut |state, relaxation| {
             self.parameters[state] *= Fade::over(relaxation, state, elapsed).keep;
         });
@@ -339,7 +339,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         for (groups, why) in [(repeated, Refusal::Repeated), (rejected, Refusal::Outlier)] {
             for (bit, group) in Strapdown::CHANNELS.iter().enumerate() {
                 if groups & 1 << bit != 0 {
-                    observer.refused(sample.time, group.name, why);
+                    observer.observe::<C>(Event::Refused { time: sample.time, group: group.name, why });
                 }
             }
         }
@@ -347,7 +347,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         if residuals.is_empty() {
             return Ok(None);
         }
-        observer.measured(sample.time, &at, signals, &residuals);
+        observer.observe::<C>(Event::Measured { time: sample.time, at: &at, signals, residuals: &residuals });
         let before = self.kalman.x().clone();
         let all = |_| diverged("the reference");
         if let Some(pilot) = &mut self.pilot {
@@ -362,7 +362,8 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             change[i] -= before[i];
         }
         self.feed_back(self.pilot.is_none(), observer);
-        observer.updated(&Updated { time: sample.time, change: &change, navigation: &self.navigation() });
+        let navigation = &self.navigation();
+        observer.observe::<C>(Event::Updated { time: sample.time, change: &change, navigation });
         self.statistics.updates += 1;
         self.statistics.degrees_of_freedom += found.degrees_of_freedom;
         self.statistics.nis += found.nis;
@@ -423,8 +424,8 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         if let Some(pilot) = &mut self.pilot {
             pilot.widen(&variances);
         }
-        observer.widened(&variances);
-        observer.moved(&self.kalman);
+        observer.observe::<C>(Event::Widened(&variances));
+        observer.observe(Event::Moved(&self.kalman));
     }
 
     /// Residuals `computed - reference`, by the estimates of the blocks that act on the measurement.
@@ -479,7 +480,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         for i in F::Shape::CORE..last {
             self.parameters[i] += correction[i];
         }
-        observer.fed_back(&correction);
+        observer.observe::<C>(Event::FedBack(&correction));
     }
 
     /// Current estimate of the outer lever arm, b, m.

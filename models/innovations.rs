@@ -2,9 +2,9 @@
 
 use std::vec::Vec;
 
-use calib_core::{Dynamics, Filter, Form, Kalman, Matrix, Residuals, Shape, Vector, measurement_rows};
+use calib_core::{Dynamics, Filter, Form, Matrix, Residuals, Shape, Vector, measurement_rows};
 
-use crate::{Observer, Point, Signals, Strapdown};
+use crate::{Event, Observer, Point, Signals, Strapdown};
 
 /// Remembers the innovation of every measured channel at every update. Hand it to
 /// [`Calibration::step_observed`](crate::Calibration::step_observed).
@@ -79,25 +79,25 @@ impl<F: Filter<Dynamics = Strapdown>> Innovations<F> {
 }
 
 impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Innovations<F> {
-    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
-        self.predicted = Some((kalman.x().clone(), kalman.covariance()));
-    }
-
-    fn fed_back(&mut self, correction: &Vector<F, f64>) {
-        if let Some((x, _)) = &mut self.predicted {
-            for i in 0..F::Shape::STATES {
-                x[i] -= correction[i];
+    fn observe<C: Form>(&mut self, event: Event<'_, F, C>) {
+        match event {
+            Event::Moved(kalman) => self.predicted = Some((kalman.x().clone(), kalman.covariance())),
+            Event::FedBack(correction) => {
+                if let Some((x, _)) = &mut self.predicted {
+                    for i in 0..F::Shape::STATES {
+                        x[i] -= correction[i];
+                    }
+                }
             }
+            Event::Measured { time, at, signals, residuals } => self.append(time, at, signals, residuals),
+            _ => {}
         }
     }
+}
 
-    fn measured(
-        &mut self,
-        time: f64,
-        at: &Point<f64>,
-        signals: &Signals<f64>,
-        residuals: &Residuals<F, f64>,
-    ) {
+impl<F: Filter<Dynamics = Strapdown>> Innovations<F> {
+    /// Adds what an update finds.
+    fn append(&mut self, time: f64, at: &Point<f64>, signals: &Signals<f64>, residuals: &Residuals<F, f64>) {
         // what the first sample measures has not been predicted
         let Some((x, covariance)) = self.predicted.take() else { return };
         let h = measurement_rows::<F, f64>(at, signals);

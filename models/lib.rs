@@ -148,7 +148,7 @@ pub use filters::{
 };
 #[cfg(feature = "std")]
 pub use innovations::{ChannelInnovations, Innovations};
-pub use observer::{Observer, Refusal, Updated};
+pub use observer::{Event, Observer, Refusal};
 pub use outcome::{Diverged, Parameter, Statistics, Update};
 pub use sample::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Site};
 pub use signals::{Point, Signals};

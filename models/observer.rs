@@ -7,133 +7,65 @@ use crate::{Point, Signals, Strapdown};
 
 /// Is told what a [`Calibration`](crate::Calibration) does, step by step: for smoothing, for pricing effects, for figures.
 ///
-/// Every method does nothing by default.
+/// Two observers in a pair both watch; `()` does not.
 pub trait Observer<F: Filter<Dynamics = Strapdown>> {
-    /// State and covariance have moved over `transition`; `density` is the white noise on the leading states.
-    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
-        let _ = (transition, density);
-    }
+    /// Something has happened.
+    fn observe<C: Form>(&mut self, event: Event<'_, F, C>);
+}
 
-    /// The filter as it is after a prediction, before anything is fed back.
-    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
-        let _ = kalman;
-    }
-
-    /// The residuals at the sample of `time`, formed at `at` under `signals`, are about to be used.
-    fn measured(
-        &mut self,
-        time: f64,
-        at: &Point<f64>,
-        signals: &Signals<f64>,
-        residuals: &Residuals<F, f64>,
-    ) {
-        let _ = (time, at, signals, residuals);
-    }
-
+/// What happens in a run, in this order.
+pub enum Event<'a, F: Filter<Dynamics = Strapdown>, C: Form> {
+    /// State and covariance have moved over an interval.
+    Predicted {
+        /// `[Phi Psi]` over the interval.
+        transition: &'a Transition<F, f64>,
+        /// White noise on the leading states, its spectral densities.
+        density: &'a CoreVector<F, f64>,
+    },
+    /// The filter as it is after a prediction, before anything is fed back; once more after [`Widened`](Self::Widened).
+    Moved(&'a Kalman<F, f64, C>),
     /// A reading of a channel group was left out.
-    fn refused(&mut self, time: f64, group: &'static str, why: Refusal) {
-        let _ = (time, group, why);
-    }
-
-    /// `variances` were added to those of the leading states: a reference that had been refused for long begins anew.
-    fn widened(&mut self, variances: &CoreVector<F, f64>) {
-        let _ = variances;
-    }
-
-    /// `correction` was taken out of the state vector and put into navigation solution and parameters.
-    fn fed_back(&mut self, correction: &Vector<F, f64>) {
-        let _ = correction;
-    }
-
+    Refused {
+        /// Time of the sample, s.
+        time: f64,
+        /// Name of the group, for instance `velocity`.
+        group: &'static str,
+        /// What is wrong with it.
+        why: Refusal,
+    },
+    /// These were added to the variances of the leading states: a reference that had been refused for long begins anew.
+    Widened(&'a CoreVector<F, f64>),
+    /// Residuals are about to be used.
+    Measured {
+        /// Time of the sample, s.
+        time: f64,
+        /// Where they were formed.
+        at: &'a Point<f64>,
+        /// What the sensors said there.
+        signals: &'a Signals<f64>,
+        /// The residuals.
+        residuals: &'a Residuals<F, f64>,
+    },
+    /// A correction was taken out of the state vector and put into navigation solution and parameters.
+    FedBack(&'a Vector<F, f64>),
     /// An update is complete, its result fed back.
-    fn updated(&mut self, update: &Updated<'_, F>) {
-        let _ = update;
-    }
-}
-
-/// Nobody watches.
-impl<F: Filter<Dynamics = Strapdown>> Observer<F> for () {}
-
-/// Watches where there is somebody.
-impl<F: Filter<Dynamics = Strapdown>, O: Observer<F>> Observer<F> for Option<O> {
-    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
-        self.iter_mut().for_each(|observer| observer.predicted(transition, density));
-    }
-
-    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
-        self.iter_mut().for_each(|observer| observer.moved(kalman));
-    }
-
-    fn measured(
-        &mut self,
+    Updated {
+        /// Time of the sample, s.
         time: f64,
-        at: &Point<f64>,
-        signals: &Signals<f64>,
-        residuals: &Residuals<F, f64>,
-    ) {
-        self.iter_mut().for_each(|observer| observer.measured(time, at, signals, residuals));
-    }
+        /// What the update added to the state vector, before feedback.
+        change: &'a Vector<F, f64>,
+        /// The navigation solution after feedback.
+        navigation: &'a NavigationState<f64>,
+    },
+}
 
-    fn refused(&mut self, time: f64, group: &'static str, why: Refusal) {
-        self.iter_mut().for_each(|observer| observer.refused(time, group, why));
-    }
-
-    fn widened(&mut self, variances: &CoreVector<F, f64>) {
-        self.iter_mut().for_each(|observer| observer.widened(variances));
-    }
-
-    fn fed_back(&mut self, correction: &Vector<F, f64>) {
-        self.iter_mut().for_each(|observer| observer.fed_back(correction));
-    }
-
-    fn updated(&mut self, update: &Updated<'_, F>) {
-        self.iter_mut().for_each(|observer| observer.updated(update));
+impl<F: Filter<Dynamics = Strapdown>, C: Form> Clone for Event<'_, F, C> {
+    fn clone(&self) -> Self {
+        *self
     }
 }
 
-/// Both watch.
-impl<F: Filter<Dynamics = Strapdown>, A: Observer<F>, B: Observer<F>> Observer<F> for (A, B) {
-    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
-        self.0.predicted(transition, density);
-        self.1.predicted(transition, density);
-    }
-
-    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
-        self.0.moved(kalman);
-        self.1.moved(kalman);
-    }
-
-    fn measured(
-        &mut self,
-        time: f64,
-        at: &Point<f64>,
-        signals: &Signals<f64>,
-        residuals: &Residuals<F, f64>,
-    ) {
-        self.0.measured(time, at, signals, residuals);
-        self.1.measured(time, at, signals, residuals);
-    }
-
-    fn refused(&mut self, time: f64, group: &'static str, why: Refusal) {
-        self.0.refused(time, group, why);
-        self.1.refused(time, group, why);
-    }
-
-    fn widened(&mut self, variances: &CoreVector<F, f64>) {
-        self.0.widened(variances);
-        self.1.widened(variances);
-    }
-
-    fn fed_back(&mut self, correction: &Vector<F, f64>) {
-        self.0.fed_back(correction);
-        self.1.fed_back(correction);
-    }
-
-    fn updated(&mut self, update: &Updated<'_, F>) {
-        self.0.updated(update);
-        self.1.updated(update);
-    }
-}
+impl<F: Filter<Dynamics = Strapdown>, C: Form> Copy for Event<'_, F, C> {}
 
 /// Why a reading was left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,12 +76,22 @@ pub enum Refusal {
     Repeated,
 }
 
-/// A complete update.
-pub struct Updated<'a, F: Filter> {
-    /// Time of the sample, s.
-    pub time: f64,
-    /// What the update added to the state vector, before feedback.
-    pub change: &'a Vector<F, f64>,
-    /// The navigation solution after feedback.
-    pub navigation: &'a NavigationState<f64>,
+impl<F: Filter<Dynamics = Strapdown>> Observer<F> for () {
+    fn observe<C: Form>(&mut self, _: Event<'_, F, C>) {}
+}
+
+/// Watches where there is somebody.
+impl<F: Filter<Dynamics = Strapdown>, O: Observer<F>> Observer<F> for Option<O> {
+    fn observe<C: Form>(&mut self, event: Event<'_, F, C>) {
+        if let Some(observer) = self {
+            observer.observe(event);
+        }
+    }
+}
+
+impl<F: Filter<Dynamics = Strapdown>, A: Observer<F>, B: Observer<F>> Observer<F> for (A, B) {
+    fn observe<C: Form>(&mut self, event: Event<'_, F, C>) {
+        self.0.observe(event);
+        self.1.observe(event);
+    }
 }

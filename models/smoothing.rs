@@ -15,11 +15,11 @@
 use std::io;
 use std::vec::Vec;
 
-use calib_core::{CoreRows, CoreVector, Filter, Form, Kalman, Matrix, Shape, Transition};
+use calib_core::{CoreRows, CoreVector, Filter, Form, Kalman, Matrix, Shape, Transition, Vector};
 use nalgebra::{DMatrix, DVector, Quaternion, SMatrix, UnitQuaternion, Vector3};
 
 use crate::strapdown::NavigationState;
-use crate::{Observer, Strapdown, Updated};
+use crate::{Event, Observer, Strapdown};
 
 /// Leading states of every filter: attitude, velocity, position.
 const C: usize = 9;
@@ -95,6 +95,25 @@ impl<F: Filter<Dynamics = Strapdown>, T: Tape + Default> Default for Smoother<F,
 }
 
 impl<F: Filter<Dynamics = Strapdown>, T: Tape> Observer<F> for Smoother<F, T> {
+    fn observe<K: Form>(&mut self, event: Event<'_, F, K>) {
+        match event {
+            Event::Predicted { transition, density } => self.predicted(transition, density),
+            Event::Moved(kalman) => self.moved(kalman),
+            // `Moved` comes again, with the wider covariance
+            Event::Widened(variances) => {
+                if let Some((_, q)) = &mut self.prediction {
+                    for i in 0..C {
+                        q[(i, i)] += variances[i];
+                    }
+                }
+            }
+            Event::Updated { time, change, navigation } => self.updated(time, change, navigation),
+            _ => {}
+        }
+    }
+}
+
+impl<F: Filter<Dynamics = Strapdown>, T: Tape> Smoother<F, T> {
     fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
         self.keep();
         let q = transition.noise(density);
@@ -134,16 +153,7 @@ impl<F: Filter<Dynamics = Strapdown>, T: Tape> Observer<F> for Smoother<F, T> {
         self.pending = true;
     }
 
-    fn widened(&mut self, variances: &CoreVector<F, f64>) {
-        // `moved` is told again, of the wider covariance
-        if let Some((_, q)) = &mut self.prediction {
-            for i in 0..C {
-                q[(i, i)] += variances[i];
-            }
-        }
-    }
-
-    fn updated(&mut self, update: &Updated<'_, F>) {
+    fn updated(&mut self, time: f64, change: &Vector<F, f64>, navigation: &NavigationState<f64>) {
         // at the first sample nothing has been predicted yet
         if !self.pending {
             return;
@@ -151,20 +161,13 @@ impl<F: Filter<Dynamics = Strapdown>, T: Tape> Observer<F> for Smoother<F, T> {
         let n = F::Shape::STATES;
         let at = length(n) - SOLUTION;
         for i in 0..n {
-            self.record[at - n + i] = update.change[i];
+            self.record[at - n + i] = change[i];
         }
-        let NavigationState { attitude: q, velocity: v, latitude, longitude, height } = *update.navigation;
-        let solution = [update.time, q.w, q.i, q.j, q.k, v.x, v.y, v.z, latitude, longitude, height];
+        let NavigationState { attitude: q, velocity: v, latitude, longitude, height } = *navigation;
+        let solution = [time, q.w, q.i, q.j, q.k, v.x, v.y, v.z, latitude, longitude, height];
         self.record[at..].copy_from_slice(&solution);
     }
-}
 
-/// Numbers in a record: gain, noise, change of the state, solution.
-fn length(states: usize) -> usize {
-    C * states + C * C + states + SOLUTION
-}
-
-impl<F: Filter<Dynamics = Strapdown>, T: Tape> Smoother<F, T> {
     /// Begins with an empty tape.
     pub fn new(tape: T) -> Self {
         Self { tape, prediction: None, record: Vec::new(), pending: false, failure: None }
@@ -219,6 +222,11 @@ impl<F: Filter<Dynamics = Strapdown>, T: Tape> Smoother<F, T> {
         smoothed.reverse();
         Ok(smoothed)
     }
+}
+
+/// Numbers in a record: gain, noise, change of the state, solution.
+fn length(states: usize) -> usize {
+    C * states + C * C + states + SOLUTION
 }
 
 /// Time and navigation solution, where there was an update.

@@ -2,11 +2,11 @@
 
 mod common;
 
-use calib_core::{CoreVector, Form, Kalman, Matrix};
+use calib_core::{Form, Matrix};
 use common::{Numbers, sample, setup, signals};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 use sinscal::strapdown::{Increments, NavigationState};
-use sinscal::{Calibration, Conventional, Observer, Sins36P, Smoother, Transition, Updated};
+use sinscal::{Calibration, Conventional, Event, Observer, Sins36P, Smoother};
 
 type F = Sins36P;
 const N: usize = F::DIM;
@@ -27,60 +27,46 @@ struct Textbook {
 }
 
 impl Observer<F> for Textbook {
-    fn predicted(&mut self, transition: &Transition<F, f64>, _: &CoreVector<F, f64>) {
-        let rows = transition.rows();
-        self.transition =
-            Some(DMatrix::from_fn(N, N, |i, j| if i < 9 { rows[i][j] } else { f64::from(u8::from(i == j)) }));
-    }
-    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
-        let p = kalman.covariance();
-        self.steps.push(Step {
-            transition: self.transition.take().expect("a prediction came first"),
-            predicted: DMatrix::from_fn(N, N, |i, j| p[i][j]),
-            change: DVector::zeros(N),
-            navigation: None,
-        });
-    }
-    fn updated(&mut self, update: &Updated<'_, F>) {
-        if let Some(step) = self.steps.last_mut() {
-            step.change = DVector::from_fn(N, |i, _| update.change[i]);
-            step.navigation = Some(*update.navigation);
+    fn observe<C: Form>(&mut self, event: Event<'_, F, C>) {
+        match event {
+            Event::Predicted { transition, .. } => {
+                let rows = transition.rows();
+                let entry = |i: usize, j: usize| if i < 9 { rows[i][j] } else { f64::from(u8::from(i == j)) };
+                self.transition = Some(DMatrix::from_fn(N, N, entry));
+            }
+            Event::Moved(kalman) => {
+                let p = kalman.covariance();
+                self.steps.push(Step {
+                    transition: self.transition.take().expect("a prediction came first"),
+                    predicted: DMatrix::from_fn(N, N, |i, j| p[i][j]),
+                    change: DVector::zeros(N),
+                    navigation: None,
+                });
+            }
+            Event::Updated { change, navigation, .. } => {
+                if let Some(step) = self.steps.last_mut() {
+                    step.change = DVector::from_fn(N, |i, _| change[i]);
+                    step.navigation = Some(*navigation);
+                }
+            }
+            _ => {}
         }
     }
 }
 
-/// Both observers at once, and the covariances after the updates.
-struct Both {
-    textbook: Textbook,
-    smoother: Smoother<F>,
-}
-
-impl Observer<F> for Both {
-    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
-        self.textbook.predicted(transition, density);
-        self.smoother.predicted(transition, density);
-    }
-    fn moved<C: Form>(&mut self, kalman: &Kalman<F, f64, C>) {
-        self.textbook.moved(kalman);
-        self.smoother.moved(kalman);
-    }
-    fn updated(&mut self, update: &Updated<'_, F>) {
-        self.textbook.updated(update);
-        self.smoother.updated(update);
-    }
-}
+type Both = (Textbook, Smoother<F>);
 
 fn run(pass_two: bool) -> (Both, Vec<DMatrix<f64>>, Matrix<F, f64>) {
     let setup = setup();
     let mut calibration = Calibration::<F, Conventional>::new(&setup);
     let mut filtered = Vec::new();
-    let mut both = Both { textbook: Textbook::default(), smoother: Smoother::default() };
+    let mut both = Both::default();
     for pass in 0..=usize::from(pass_two) {
         if pass > 0 {
             calibration.begin_pass();
         }
         let mut numbers = Numbers(17);
-        both = Both { textbook: Textbook::default(), smoother: Smoother::default() };
+        both = Both::default();
         filtered.clear();
         let mut truth = NavigationState::at_rest(&setup.site, setup.initial.attitude);
         let mut previous = Increments::zero();
@@ -101,7 +87,7 @@ fn run(pass_two: bool) -> (Both, Vec<DMatrix<f64>>, Matrix<F, f64>) {
             sample.reference.velocity = Some(truth.velocity + numbers.vector(1e-3));
             sample.reference.position = Some(truth.position(&setup.site) + numbers.vector(2e-3));
             calibration.step_observed(&sample, &mut both).expect("the run converges");
-            if both.textbook.steps.len() > filtered.len() {
+            if both.0.steps.len() > filtered.len() {
                 let p = calibration.covariance();
                 filtered.push(DMatrix::from_fn(N, N, |i, j| p[i][j]));
             }
@@ -112,7 +98,7 @@ fn run(pass_two: bool) -> (Both, Vec<DMatrix<f64>>, Matrix<F, f64>) {
 
 fn smoothed_as_in_the_textbook(pass_two: bool) {
     let (both, filtered, last) = run(pass_two);
-    let steps = &both.textbook.steps;
+    let steps = &both.0.steps;
     let mut s = DVector::<f64>::zeros(N);
     let mut p = DMatrix::from_fn(N, N, |i, j| last[i][j]);
     let mut expected = Vec::new();
@@ -133,7 +119,7 @@ fn smoothed_as_in_the_textbook(pass_two: bool) {
         }
     }
     expected.reverse();
-    let smoothed = both.smoother.finish(&last).expect("memory");
+    let smoothed = both.1.finish(&last).expect("memory");
     assert_eq!(smoothed.len(), expected.len());
     for (got, (want, sigmas)) in smoothed.iter().zip(&expected) {
         assert!(got.navigation.attitude.angle_to(&want.attitude) < 1e-9, "{} s", got.time);

@@ -1,10 +1,10 @@
 //! What a pass of the filter did, kept so that every other filter about the same trajectory is a linear run.
 
 use calib_core::{
-    Array, CoreVector, Filter, Residuals, Shape, StateInfo, Transition, Vector, measurement_rows,
+    Array, CoreVector, Filter, Form, Residuals, Shape, StateInfo, Transition, measurement_rows,
 };
 use nalgebra::Vector3;
-use sinscal::{Observer, Point, Signals, Strapdown};
+use sinscal::{Event, Observer, Point, Signals, Strapdown};
 
 /// Leading states of a strapdown filter: attitude, velocity, position.
 pub(crate) const CORE: usize = 9;
@@ -225,6 +225,22 @@ impl<F: Filter<Dynamics = Strapdown>> Recorder<F> {
 }
 
 impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Recorder<F> {
+    fn observe<C: Form>(&mut self, event: Event<'_, F, C>) {
+        match event {
+            Event::Predicted { transition, density } => self.predicted(transition, density),
+            Event::Widened(variances) => {
+                for i in 0..CORE {
+                    self.open.accel_noise[i * CORE + i] += variances[i];
+                }
+            }
+            Event::Measured { time, at, signals, residuals } => self.measured(time, at, signals, residuals),
+            Event::FedBack(correction) => self.open.feed_back(&correction.as_slice()[..CORE]),
+            _ => {}
+        }
+    }
+}
+
+impl<F: Filter<Dynamics = Strapdown>> Recorder<F> {
     fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
         let w = self.open.width;
         let mut rows = vec![0.0; CORE * w];
@@ -244,12 +260,6 @@ impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Recorder<F> {
             flat
         };
         self.open.append(&rows, &part(0..3), &part(3..6), transition.elapsed());
-    }
-
-    fn widened(&mut self, variances: &CoreVector<F, f64>) {
-        for i in 0..CORE {
-            self.open.accel_noise[i * CORE + i] += variances[i];
-        }
     }
 
     fn measured(
@@ -288,9 +298,5 @@ impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Recorder<F> {
             }
         }
         self.steps.push(step);
-    }
-
-    fn fed_back(&mut self, correction: &Vector<F, f64>) {
-        self.open.feed_back(&correction.as_slice()[..CORE]);
     }
 }

@@ -1,11 +1,10 @@
 //! The information that a run's measurements carry about its states, with the run's real transition matrices.
 
 use calib_core::{
-    CoreRows, CoreVector, Decomposition, Filter, Residuals, Shape, Transition, Triangle, Vector,
-    measurement_rows,
+    CoreRows, Decomposition, Filter, Residuals, Shape, Transition, Triangle, Vector, measurement_rows,
 };
 
-use crate::{Calibration, Form, Observer, Point, Signals, Strapdown};
+use crate::{Calibration, Event, Form, Observer, Point, Signals, Strapdown};
 
 /// The Gramian `sum (H Phi)' R^-1 (H Phi)` of a run, as a triangle: what the measurements say about the states at the first
 /// sample, the random walks of the sensors left aside. Hand it to
@@ -70,7 +69,18 @@ impl<F: Filter<Dynamics = Strapdown>> Information<F> {
 }
 
 impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Information<F> {
-    fn predicted(&mut self, transition: &Transition<F, f64>, _: &CoreVector<F, f64>) {
+    fn observe<C: Form>(&mut self, event: Event<'_, F, C>) {
+        match event {
+            Event::Predicted { transition, .. } => self.carry(transition),
+            Event::Measured { at, signals, residuals, .. } => self.append(at, signals, residuals),
+            _ => {}
+        }
+    }
+}
+
+impl<F: Filter<Dynamics = Strapdown>> Information<F> {
+    /// Takes the leading states over an interval.
+    fn carry(&mut self, transition: &Transition<F, f64>) {
         let step = transition.rows();
         let mut moved = step.clone();
         for i in 0..F::Shape::CORE {
@@ -85,7 +95,8 @@ impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Information<F> {
         self.rows = moved;
     }
 
-    fn measured(&mut self, _: f64, at: &Point<f64>, signals: &Signals<f64>, residuals: &Residuals<F, f64>) {
+    /// Adds what the channels of an update say.
+    fn append(&mut self, at: &Point<f64>, signals: &Signals<f64>, residuals: &Residuals<F, f64>) {
         let h = measurement_rows::<F, f64>(at, signals);
         for m in 0..F::Shape::ROWS {
             if !residuals.is_present(m) {

@@ -1,7 +1,7 @@
 //! Watching what a pass leaves out of the reference.
 
 use serde::Serialize;
-use sinscal::{Filter, Observer, Refusal, Strapdown};
+use sinscal::{Event, Filter, Form, Observer, Refusal, Strapdown};
 
 /// Refusals of a channel that follow one another within this time are one stretch, s.
 const TOGETHER: f64 = 10.0;
@@ -24,7 +24,8 @@ pub(super) struct Refusals {
 }
 
 impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Refusals {
-    fn refused(&mut self, time: f64, channel: &'static str, why: Refusal) {
+    fn observe<C: Form>(&mut self, event: Event<'_, F, C>) {
+        let Event::Refused { time, group: channel, why } = event else { return };
         let why = match why {
             Refusal::Outlier => "outlier",
             Refusal::Repeated => "repeated",
