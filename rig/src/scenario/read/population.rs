@@ -1,0 +1,56 @@
+//! What the parameters of a unit are drawn from.
+
+use sinscal::{EFFECTS, EffectInfo};
+
+use crate::scenario::Population;
+use crate::scenario::reader::{Entry, Must, Reader, as_table};
+use crate::{suggest, units};
+
+/// Parameters may be this many times their default prior.
+const ABSURD: f64 = 1e6;
+
+pub(super) fn population(r: &mut Reader<'_>) -> Vec<Population> {
+    let mut populations = Vec::new();
+    for (name, entry) in r.whole("population") {
+        let Some(effect) = sinscal::effect(name) else {
+            r.refuse(
+                &entry,
+                "is not an effect",
+                suggest::accepted(name, EFFECTS.iter().map(EffectInfo::name)),
+            );
+            continue;
+        };
+        if name == "dither-size-effect" {
+            let accepted = "[dither] mode = \"mean\" or \"full\" and a population of inner-lever-arm";
+            r.refuse(&entry, "follows from the dither and the inner lever arms", accepted);
+            continue;
+        }
+        let units = units::of_parameters(effect.unit());
+        let n = effect.components().len();
+        // beyond this nothing of the signal is left
+        let most = ABSURD * effect.prior_sigma;
+        let (mean, sigma) = match as_table(entry.value) {
+            None => (Some(vec![0.0; n]), r.list(&entry, n, units, Must::NotBeNegative(most))),
+            Some(table) => {
+                r.only(table, &entry.field, &["mean", "sigma"]);
+                let part = |key: &str| {
+                    table.get(key).map(|value| Entry { field: format!("{}.{key}", entry.field), value })
+                };
+                let zero = || Some(vec![0.0; n]);
+                let mean = part("mean")
+                    .map_or_else(zero, |part| r.list(&part, n, units, Must::LieWithin(-most, most)));
+                let sigma = part("sigma")
+                    .map_or_else(zero, |part| r.list(&part, n, units, Must::NotBeNegative(most)));
+                (mean, sigma)
+            }
+        };
+        if let (Some(mean), Some(sigma)) = (mean, sigma) {
+            populations.push(Population { effect, mean, sigma });
+        }
+    }
+    // in the order of the catalogue, whatever the order in the file
+    populations.sort_by_key(|population| {
+        EFFECTS.iter().position(|effect| effect.name() == population.effect.name())
+    });
+    populations
+}
