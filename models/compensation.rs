@@ -7,8 +7,11 @@ use crate::strapdown::Increments;
 use crate::{Sample, Signals, Strapdown};
 
 /// The error model is evaluated at the true motion, which is what compensation is after: each round puts the result of
-/// the one before in. Two rounds bring scale errors of 1e-3 to 1e-9 of the signal, four those of a MEMS unit (3 %) to 1e-6.
-const ROUNDS: usize = 4;
+/// the one before in, the first that of the sample before. When a round moves the signals by less than this fraction of them,
+/// what is left is smaller by another factor of the errors: 1e-3 for a good unit, 3 % for a MEMS unit.
+const STILL: f64 = 1e-10;
+/// There are at most so many rounds: MEMS errors then reach 1e-10 of the signal even at the first sample.
+const ROUNDS: usize = 6;
 
 /// Follows the environment along a log and compensates each sample with filter `F`'s parameters.
 ///
@@ -22,6 +25,8 @@ pub struct Compensator {
     gyro_temperature: Held,
     dither: Vector3<f64>,
     last_rate: Vector3<f64>,
+    /// Errors of rate and force at the last sample.
+    last_error: (Vector3<f64>, Vector3<f64>),
 }
 
 /// A vector of readings that arrive now and then, with their rate of change between the last two.
@@ -65,6 +70,7 @@ impl Compensator {
             gyro_temperature: Held::new(reference_temperature),
             dither: Vector3::zeros(),
             last_rate: Vector3::repeat(f64::NAN),
+            last_error: (Vector3::zeros(), Vector3::zeros()),
         }
     }
 
@@ -112,11 +118,20 @@ impl Compensator {
         };
         self.last_rate = rate;
         restrict::<F, f64>(&mut signals);
+        let mut error = self.last_error;
+        let (still_rate, still_force) = (STILL * rate.amax(), STILL * force.amax());
         for _ in 0..ROUNDS {
-            let error = input_errors::<F, f64>(&signals, parameters);
             signals.rate = rate - error.0;
             signals.force = force - error.1;
+            let before = error;
+            error = input_errors::<F, f64>(&signals, parameters);
+            if (error.0 - before.0).amax() <= still_rate && (error.1 - before.1).amax() <= still_force {
+                break;
+            }
         }
+        signals.rate = rate - error.0;
+        signals.force = force - error.1;
+        self.last_error = error;
         (Increments { dtheta: signals.rate * dt, dvel: signals.force * dt }, signals)
     }
 }

@@ -27,7 +27,7 @@ impl<N: ArraySize, C: ArraySize, M: ArraySize> Shape for Grown<N, C, M> {
     type Matrix<T: Real> = hybrid_array::Array<Self::Vector<T>, N>;
     type CoreRows<T: Real> = hybrid_array::Array<Self::Vector<T>, C>;
     type CoreMatrix<T: Real> = hybrid_array::Array<Self::CoreVector<T>, C>;
-    type CoreVector<T: Real> = hybrid_array::Array<T, C>;
+    type CoreVector<E: Clone + Debug + Send + Sync> = hybrid_array::Array<E, C>;
     type MeasurementRows<T: Real> = hybrid_array::Array<Self::Vector<T>, M>;
     type MeasurementMatrix<T: Real> = hybrid_array::Array<Self::Measurement<T>, M>;
     type Measurement<T: Real> = hybrid_array::Array<T, M>;

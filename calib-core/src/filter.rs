@@ -25,8 +25,8 @@ pub trait Shape: Sized + 'static {
     type CoreRows<T: Real>: Array<Self::Vector<T>>;
     /// C x C numbers.
     type CoreMatrix<T: Real>: Array<Self::CoreVector<T>>;
-    /// C numbers.
-    type CoreVector<T: Real>: Array<T>;
+    /// C of anything.
+    type CoreVector<E: Clone + Debug + Send + Sync>: Array<E>;
     /// M x N numbers: the measurement matrix.
     type MeasurementRows<T: Real>: Array<Self::Vector<T>>;
     /// M x M numbers.
@@ -61,7 +61,7 @@ pub trait Shape: Sized + 'static {
     }
     /// C equal numbers.
     #[inline(always)]
-    fn core_vector<T: Real>(value: T) -> Self::CoreVector<T> {
+    fn core_vector<T: Copy + Debug + Send + Sync>(value: T) -> Self::CoreVector<T> {
         Array::from_fn(|| value)
     }
     /// M x N equal numbers.
@@ -118,7 +118,7 @@ impl<const N: usize, const C: usize, const M: usize> Shape for Dim<N, C, M> {
     type Matrix<T: Real> = [[T; N]; N];
     type CoreRows<T: Real> = [[T; N]; C];
     type CoreMatrix<T: Real> = [[T; C]; C];
-    type CoreVector<T: Real> = [T; C];
+    type CoreVector<E: Clone + Debug + Send + Sync> = [E; C];
     type MeasurementRows<T: Real> = [[T; N]; M];
     type MeasurementMatrix<T: Real> = [[T; M]; M];
     type Measurement<T: Real> = [T; M];

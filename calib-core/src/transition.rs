@@ -1,8 +1,10 @@
 //! The non-trivial rows of a filter's transition matrix, accumulated over an interval.
 
 use crate::machine::{Machine, on_this_machine};
-use crate::tile::product;
 use crate::{Array, Block, BlockSet, CoreRows, CoreVector, Dynamics, Filter, Real, Shape};
+
+/// Columns of `[Phi Psi]` that move together.
+const WIDTH: usize = 16;
 
 /// `[Phi Psi]`: how the leading states at the end of an interval depend on all states at its beginning.
 ///
@@ -63,8 +65,8 @@ impl<F: Filter, T: Real> Transition<F, T> {
     pub fn advance(&mut self, at: &<F::Dynamics as Dynamics>::Point<T>, dt: T) {
         let mut a = F::Shape::core_matrix(T::zero());
         F::Dynamics::core_jacobian(at, &mut |i, j, value| a[i][j] += value * dt);
-        on_this_machine!(machine => advance::<F::Shape, T>(machine, &a, &mut self.rows, &self.drive));
-        self.drive = F::Shape::core_rows(T::zero());
+        let a = Sparse::<F::Shape, T>::of(&a);
+        on_this_machine!(machine => advance::<F::Shape, T, _>(machine, &a, &mut self.rows, &mut self.drive));
         self.elapsed += dt;
     }
 
@@ -98,49 +100,106 @@ impl<F: Filter, T: Real> Transition<F, T> {
     }
 }
 
-/// `rows + drive + A (rows + (A rows + drive) / 2)`, with A times the step in `a`.
-#[inline(always)]
-fn advance<S: Shape, T: Real>(
-    machine: impl Machine,
-    a: &S::CoreMatrix<T>,
-    rows: &mut S::CoreRows<T>,
-    drive: &S::CoreRows<T>,
-) {
-    let half = T::of(0.5);
-    let mut middle = times::<S, T>(machine, a, rows);
-    for i in 0..S::CORE {
-        for j in 0..S::STATES {
-            middle[i][j] = rows[i][j] + half * (middle[i][j] + drive[i][j]);
+/// The entries of each row of A that are not zero, a third of them for a strapdown system, with their columns.
+struct Sparse<S: Shape, T: Real> {
+    entries: S::CoreVector<S::CoreVector<(usize, T)>>,
+    counts: S::CoreVector<usize>,
+}
+
+impl<S: Shape, T: Real> Sparse<S, T> {
+    #[inline(always)]
+    fn of(a: &S::CoreMatrix<T>) -> Self {
+        let mut sparse =
+            Self { entries: Array::from_fn(|| S::core_vector((0, T::zero()))), counts: S::core_vector(0) };
+        for i in 0..S::CORE {
+            let entries = &mut sparse.entries[i];
+            let mut count = 0;
+            for k in 0..S::CORE {
+                entries[count] = (k, a[i][k]);
+                count += usize::from(a[i][k] != T::zero());
+            }
+            sparse.counts[i] = count;
         }
+        sparse
     }
-    let end = times::<S, T>(machine, a, &middle);
-    for i in 0..S::CORE {
-        for j in 0..S::STATES {
-            rows[i][j] += drive[i][j] + end[i][j];
+
+    /// Row `i` of A times some columns of what has the given rows.
+    #[inline(always)]
+    fn row_times<'a, M: Machine, const W: usize>(
+        &self,
+        i: usize,
+        row: impl Fn(usize) -> Option<&'a [T; W]>,
+    ) -> [T; W] {
+        let mut sums = [T::zero(); W];
+        for &(k, a) in &self.entries[i].as_slice()[..self.counts[i]] {
+            if let Some(row) = row(k) {
+                for c in 0..W {
+                    sums[c] = M::add_product(sums[c], a, row[c]);
+                }
+            }
+        }
+        sums
+    }
+}
+
+/// `rows + drive + A (rows + (A rows + drive) / 2)`, and no drive any more. Columns move on their own: some at a time, so
+/// that what is in between stays small.
+#[inline(always)]
+fn advance<S: Shape, T: Real, M: Machine>(
+    machine: M,
+    a: &Sparse<S, T>,
+    rows: &mut S::CoreRows<T>,
+    drive: &mut S::CoreRows<T>,
+) {
+    let mut done = 0;
+    while done < S::STATES {
+        if S::STATES >= WIDTH {
+            // the last ones begin earlier, with columns that have moved already
+            let first = done.min(S::STATES - WIDTH);
+            advance_columns::<S, T, M, WIDTH>(machine, a, rows, drive, (first, done - first));
+            done = first + WIDTH;
+        } else {
+            advance_columns::<S, T, M, 1>(machine, a, rows, drive, (done, 0));
+            done += 1;
         }
     }
 }
 
-/// `A rows`.
+/// [`advance`] for `W` columns from `first` on, of which so many have moved already.
 #[inline(always)]
-fn times<S: Shape, T: Real>(
-    machine: impl Machine,
-    a: &S::CoreMatrix<T>,
-    rows: &S::CoreRows<T>,
-) -> S::CoreRows<T> {
-    let mut product_rows = S::core_rows(T::zero());
-    let size = (S::CORE, S::STATES);
-    product::<_, _, _, false>(
-        machine,
-        size,
-        |i, k| a[i][k],
-        rows.as_slice(),
-        0..S::CORE,
-        |i, first, values| {
-            product_rows[i].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
-        },
-    );
-    product_rows
+fn advance_columns<S: Shape, T: Real, M: Machine, const W: usize>(
+    _: M,
+    a: &Sparse<S, T>,
+    rows: &mut S::CoreRows<T>,
+    drive: &mut S::CoreRows<T>,
+    (first, moved): (usize, usize),
+) {
+    let half = T::of(0.5);
+    let mut middle: S::CoreVector<[T; W]> = Array::from_fn(|| [T::zero(); W]);
+    for i in 0..S::CORE {
+        let mut sums = a.row_times::<M, W>(i, |k| rows[k].as_slice()[first..].first_chunk());
+        let (row, driven) = (&rows[i].as_slice()[first..], &drive[i].as_slice()[first..]);
+        if let (Some(row), Some(driven)) = (row.first_chunk::<W>(), driven.first_chunk::<W>()) {
+            for c in 0..W {
+                sums[c] = row[c] + half * (sums[c] + driven[c]);
+            }
+        }
+        middle[i] = sums;
+    }
+    for i in 0..S::CORE {
+        let mut sums = a.row_times::<M, W>(i, |k| Some(&middle[k]));
+        if let Some(driven) = drive[i].as_mut_slice()[first..].first_chunk_mut() {
+            let before: [T; W] = core::mem::replace(driven, [T::zero(); W]);
+            for c in 0..W {
+                sums[c] += before[c];
+            }
+        }
+        if let Some(row) = rows[i].as_mut_slice()[first..].first_chunk_mut::<W>() {
+            for c in 0..W {
+                row[c] = if c < moved { row[c] } else { row[c] + sums[c] };
+            }
+        }
+    }
 }
 
 /// Removes from `signals` what filter `F` does not model.

@@ -15,9 +15,6 @@ use crate::history::History;
 use crate::log::{Bridged, Log};
 use crate::setup;
 
-/// The progress bar moves every so many samples.
-const BAR_SAMPLES: u64 = 4096;
-
 /// How to run.
 #[derive(Clone, Copy)]
 pub(super) struct Options {
@@ -101,27 +98,27 @@ impl Run<'_> {
                 observer.1.1 = self.options.residuals.then(Innovations::<F>::default);
             }
             samples = 0;
-            let mut rows = self.log.samples()?;
-            while let Some(row) = rows.next() {
-                let sample = row?;
-                if samples == 0 {
-                    times.0 = sample.time - 1.0 / description.rate;
+            for chunk in self.log.ahead()? {
+                let chunk = chunk?;
+                for sample in &chunk.samples {
+                    if samples == 0 {
+                        times.0 = sample.time - 1.0 / description.rate;
+                    }
+                    times.1 = sample.time;
+                    samples += 1;
+                    let update = calibration.step_observed(sample, &mut observer);
+                    let update =
+                        update.map_err(|error| miette!("{}: {error}", self.log.table().display()))?;
+                    if update.is_some() && history.due() {
+                        history.push(sample.time, |put| {
+                            let now = estimates(&calibration, coarse);
+                            now.iter().for_each(|parameter| put(parameter.value, parameter.sigma));
+                        });
+                    }
                 }
-                times.1 = sample.time;
-                samples += 1;
-                if samples.is_multiple_of(BAR_SAMPLES) {
-                    bar.set_position(self.log.size() * u64::from(pass) + rows.position());
-                }
-                let update = calibration.step_observed(&sample, &mut observer);
-                let update = update.map_err(|error| miette!("{}: {error}", self.log.table().display()))?;
-                if update.is_some() && history.due() {
-                    history.push(sample.time, |put| {
-                        let now = estimates(&calibration, coarse);
-                        now.iter().for_each(|parameter| put(parameter.value, parameter.sigma));
-                    });
-                }
+                bar.set_position(self.log.size() * u64::from(pass) + chunk.position);
+                bridged = chunk.bridged;
             }
-            bridged = rows.bridged();
         }
         bar.finish_and_clear();
         let parameters = estimates(&calibration, coarse);

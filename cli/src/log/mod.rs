@@ -3,6 +3,7 @@
 //! A log is named by its path with or without ending. Without one, the table beside `NAME.toml` is taken; when there
 //! is both `NAME.parquet` and `NAME.csv` the ending must say which is meant, so that no stale copy is read unnoticed.
 
+mod ahead;
 mod columns;
 mod csv;
 mod description;
@@ -25,6 +26,7 @@ use self::csv::CsvSource;
 use self::parquet::ParquetSource;
 use self::rows::{Checker, Row};
 
+pub(crate) use self::ahead::Ahead;
 pub(crate) use self::description::Description;
 pub(crate) use self::fault::LogError;
 pub(crate) use self::parquet::decoding;
@@ -154,9 +156,14 @@ impl Log {
         self.size
     }
 
+    /// [`samples`](Self::samples) in chunks, read by another thread ahead of who works on them.
+    pub(crate) fn ahead(&self) -> Result<Ahead, LogError> {
+        Ahead::new(self.samples()?)
+    }
+
     /// Starts reading from the first row.
     pub(crate) fn samples(&self) -> Result<Samples, LogError> {
-        let (source, layout): (Box<dyn Source>, Layout) = match self.kind {
+        let (source, layout): (Box<dyn Source + Send>, Layout) = match self.kind {
             Kind::Parquet => {
                 let (source, layout, _) = ParquetSource::open(&self.table)?;
                 (Box::new(source), layout)
@@ -196,7 +203,7 @@ pub(crate) struct Bridged {
 
 /// The rows of a log in order, each checked. Ends after the first error.
 pub(crate) struct Samples {
-    source: Box<dyn Source>,
+    source: Box<dyn Source + Send>,
     checker: Checker,
     batch: Batch,
     /// Next row of the batch.
