@@ -167,7 +167,8 @@ fn is_chance(
     threshold: f64,
 ) -> bool {
     let library = first.prices.worst(among.iter().copied()).map_or(0.0, |(_, score)| score.ln_p - threshold);
-    let loudest = open.and_then(|o| o.loud(&[]).first().map(|loud| loud.1.ln_p - o.threshold));
+    let loudest =
+        open.and_then(|o| o.loud(&[]).iter().map(|loud| o.beyond(loud)).min_by(f64::total_cmp));
     let most = loudest.map_or(library, |families| families.min(library));
     most < 0.0 && most > -WEAK && second.is_some_and(|s| is_silent(s, open, threshold))
 }
@@ -178,6 +179,7 @@ fn is_silent(second: &Scene, open: Option<&Open>, threshold: f64) -> bool {
     let there = Open::prices(second);
     let families = there.zip(open).is_none_or(|(mut there, open)| {
         there.threshold = open.threshold;
+        there.threshold_of_bursts = open.threshold_of_bursts;
         there.loud(&[]).is_empty()
     });
     library && families

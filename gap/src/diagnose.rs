@@ -320,6 +320,7 @@ fn rivals(first: &Scene, best: &[usize]) -> Vec<Rival> {
                 gain_on_top: prices.gain(&all) - prices.gain(&others),
                 chosen_on_top: if member { 0.0 } else { prices.gain(&all) - prices.gain(&[g]) },
                 excitation: prices.excitation(g).0,
+                information: prices.information(g),
             }
         })
         .collect();

@@ -8,16 +8,13 @@ use crate::recording::{CORE, Motion, Recording, Step};
 pub(crate) const TURNING: f64 = 0.01;
 /// Size of a family's effect before it is seen, as a fraction of the prior of the bias it changes.
 const SIZE: f64 = 0.05;
-/// Name of the family of all steps.
-pub(crate) const RANDOM_WALK: &str = "random walk of the bias";
-/// The log is cut into so many stretches, each with a bias of its own.
-const STRETCHES: usize = 8;
+/// The same of a bias that is there for a stretch: what lasts a minute must be larger to show.
+const SIZE_OF_STRETCH: f64 = 0.5;
 
 /// What a family multiplies: the motion, the time and the time since the last rotation.
 struct Moment<'a> {
     motion: &'a Motion,
     time: f64,
-    fraction: f64,
     since_rotation: Option<f64>,
 }
 
@@ -56,13 +53,6 @@ const BOTH: &[(&str, &str, Feature)] = &[
     ("transient of the scale factor after rotation, 100 s", "m/s^2", |m, i, _, _| {
         transient(m, 100.0) * m.motion.force[i]
     }),
-    ("step after 1/8 of the run", "1", |m, _, _, _| step(m, 1)),
-    ("step after 2/8 of the run", "1", |m, _, _, _| step(m, 2)),
-    ("step after 3/8 of the run", "1", |m, _, _, _| step(m, 3)),
-    ("step after 4/8 of the run", "1", |m, _, _, _| step(m, 4)),
-    ("step after 5/8 of the run", "1", |m, _, _, _| step(m, 5)),
-    ("step after 6/8 of the run", "1", |m, _, _, _| step(m, 6)),
-    ("step after 7/8 of the run", "1", |m, _, _, _| step(m, 7)),
 ];
 
 /// Families of the accelerometers alone.
@@ -89,63 +79,89 @@ fn transient(m: &Moment, tau: f64) -> f64 {
     m.since_rotation.map_or(0.0, |s| (-s / tau).exp())
 }
 
-fn step(m: &Moment, of_eight: usize) -> f64 {
-    if m.fraction >= of_eight as f64 / STRETCHES as f64 { 1.0 } else { 0.0 }
-}
-
 struct Entry {
     column: usize,
     value: Vec<f64>,
 }
 
-/// The columns of all families, as biases that change with what was measured.
+/// The sensors whose biases change.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Triad {
+    pub(crate) name: &'static str,
+    /// Columns of its biases in the recording.
+    pub(crate) columns: [usize; 3],
+    families: &'static [(&'static str, &'static str, Feature)],
+}
+
+impl Triad {
+    /// Those whose biases the filter estimates.
+    pub(crate) fn all(recording: &Recording) -> Vec<Self> {
+        [("accelerometer", "accel-bias", ACCEL), ("gyro", "gyro-bias", GYRO)]
+            .into_iter()
+            .filter_map(|(name, bias, families)| {
+                let is = |c: &usize| recording.columns[*c].info.block == bias && recording.columns[*c].prior > 0.0;
+                let columns: Vec<usize> = (0..recording.columns.len()).filter(is).collect();
+                Some(Self { name, columns: columns.try_into().ok()?, families })
+            })
+            .collect()
+    }
+}
+
+/// Columns that are biases which change: with what was measured, or from one cell of time to the next.
 pub(crate) struct Dictionary<'a> {
     entries: Vec<Entry>,
+    /// The families, by columns.
     pub(crate) groups: Vec<Group>,
     pub(crate) sigma: Vec<f64>,
     /// Unit of each group's values.
     pub(crate) units: Vec<String>,
     /// Root mean square of each column's feature, by which it is divided.
     pub(crate) rms: Vec<f64>,
-    /// Recorded columns priced after the families.
+    /// Recorded columns priced after all others.
     library: &'a [usize],
 }
 
 impl<'a> Dictionary<'a> {
-    /// Families for a recording, and the recorded columns `library` after them.
-    pub(crate) fn new(recording: &Recording, library: &'a [usize]) -> Self {
-        let mut new = Self {
+    /// Nothing but the recorded columns `library`.
+    pub(crate) fn new(library: &'a [usize]) -> Self {
+        Self {
             entries: Vec::new(),
             groups: Vec::new(),
             sigma: Vec::new(),
             units: Vec::new(),
             rms: Vec::new(),
             library,
-        };
-        for (triad, bias, families) in [("accelerometer", "accel-bias", ACCEL), ("gyro", "gyro-bias", GYRO)] {
-            let columns: Vec<usize> = (0..recording.columns.len())
-                .filter(|c| recording.columns[*c].info.block == bias && recording.columns[*c].prior > 0.0)
-                .collect();
-            if columns.len() != 3 {
-                continue;
-            }
-            for (name, unit, feature) in BOTH.iter().chain(families) {
-                new.add(recording, triad, &columns, name, unit, *feature);
-            }
-            new.add_random_walk(triad);
         }
-        new
     }
 
-    fn add(
-        &mut self,
-        recording: &Recording,
-        triad: &str,
-        columns: &[usize],
-        name: &str,
-        unit: &str,
-        feature: Feature,
-    ) {
+    /// Adds the families of a triad.
+    pub(crate) fn add_families(&mut self, recording: &Recording, triad: &Triad) {
+        for (name, unit, feature) in BOTH.iter().chain(triad.families) {
+            self.add(recording, triad, name, unit, *feature);
+        }
+    }
+
+    /// Adds a bias of its own in each cell of time between two `bounds`: cell by cell, axis by axis.
+    pub(crate) fn add_cells(&mut self, recording: &Recording, triad: &Triad, bounds: &[f64]) {
+        for cell in bounds.windows(2) {
+            let inside = |step: &Step| {
+                let both = step.time.min(cell[1]) - (step.time - step.elapsed).max(cell[0]);
+                if step.elapsed > 0.0 { (both / step.elapsed).clamp(0.0, 1.0) } else { 0.0 }
+            };
+            let value: Vec<f64> = recording.steps.iter().map(inside).collect();
+            for column in triad.columns {
+                self.push(column, value.clone(), SIZE_OF_STRETCH * recording.columns[column].prior, 1.0);
+            }
+        }
+    }
+
+    fn push(&mut self, column: usize, value: Vec<f64>, sigma: f64, rms: f64) {
+        self.entries.push(Entry { column, value });
+        self.sigma.push(sigma);
+        self.rms.push(rms);
+    }
+
+    fn add(&mut self, recording: &Recording, triad: &Triad, name: &str, unit: &str, feature: Feature) {
         let mut axes = Vec::new();
         for i in 0..3 {
             let mut value = along(recording, |m| feature(m, i, (i + 1) % 3, (i + 2) % 3));
@@ -158,34 +174,18 @@ impl<'a> Dictionary<'a> {
             }
             axes.push((value, rms));
         }
-        let mut members = Vec::new();
-        for ((value, rms), &column) in axes.into_iter().zip(columns) {
-            members.push(self.entries.len());
-            self.entries.push(Entry { column, value });
-            self.sigma.push(SIZE * recording.columns[column].prior);
-            self.rms.push(rms);
+        let first = self.entries.len();
+        for ((value, rms), column) in axes.into_iter().zip(triad.columns) {
+            self.push(column, value, SIZE * recording.columns[column].prior, rms);
         }
-        self.groups.push(Group { name: format!("{name} in the {triad}s"), members });
-        self.units.push(format!("({})/({unit})", recording.columns[columns[0]].info.unit));
+        self.groups.push(Group {
+            name: format!("{name} in the {}s", triad.name),
+            members: (first..self.entries.len()).collect(),
+        });
+        self.units.push(format!("({})/({unit})", recording.columns[triad.columns[0]].info.unit));
     }
 
-    /// A walk is a sum of steps: one family of them all.
-    fn add_random_walk(&mut self, triad: &str) {
-        let steps = self
-            .groups
-            .iter()
-            .enumerate()
-            .filter(|(_, g)| g.name.starts_with("step") && g.name.ends_with(&format!("{triad}s")));
-        let (members, units): (Vec<_>, Vec<_>) =
-            steps.map(|(i, g)| (g.members.clone(), self.units[i].clone())).unzip();
-        if let Some(unit) = units.into_iter().next() {
-            self.groups
-                .push(Group { name: format!("{RANDOM_WALK} in the {triad}s"), members: members.concat() });
-            self.units.push(unit);
-        }
-    }
-
-    /// Number of family columns; the library's come after them.
+    /// Number of columns of its own; the library's come after them.
     pub(crate) fn own(&self) -> usize {
         self.entries.len()
     }
@@ -193,8 +193,7 @@ impl<'a> Dictionary<'a> {
 
 /// A feature over the steps of a recording: the mean of both ends of each.
 fn along(recording: &Recording, feature: impl Fn(&Moment) -> f64) -> Vec<f64> {
-    let (start, end) = recording.span();
-    let length = (end - start).max(1e-9);
+    let (start, _) = recording.span();
     let mut ended = None;
     let mut before = None;
     recording
@@ -206,7 +205,7 @@ fn along(recording: &Recording, feature: impl Fn(&Moment) -> f64) -> Vec<f64> {
             }
             let since_rotation = ended.map(|e| s.time - e).filter(|d| *d > 0.0);
             let time = s.time - start;
-            let now = feature(&Moment { motion: &s.motion, time, fraction: time / length, since_rotation });
+            let now = feature(&Moment { motion: &s.motion, time, since_rotation });
             let mean = 0.5 * (now + before.unwrap_or(now));
             before = Some(now);
             mean

@@ -1,8 +1,8 @@
 //! Where the missing effect shows: stretch by channel, and over time.
 
-use crate::dictionary::{Dictionary, TURNING};
+use crate::dictionary::TURNING;
 use crate::linear::{Priced, Recorded, run};
-use crate::open::Open;
+use crate::open::{Open, vocabulary};
 use crate::report::{Evidence, Place};
 use crate::scene::Scene;
 
@@ -22,27 +22,35 @@ const CHANNELS: [&str; 9] = ["vel_e", "vel_n", "vel_u", "pos_e", "pos_n", "pos_u
 pub(crate) fn locate(scene: &Scene, named: &[usize]) -> (Vec<Place>, Vec<Evidence>) {
     match scene.prices.posterior(named) {
         Some((mean, _)) if !named.is_empty() => {
-            map(scene, &Recorded(&scene.columns(named)), mean.as_slice()).unwrap_or_default()
+            map(scene, &Recorded(&scene.columns(named)), mean.as_slice(), &stretches(scene)).unwrap_or_default()
         }
         _ => Default::default(),
     }
 }
 
-/// The same for a family of the dictionary.
+/// The same for a family of the dictionary. What is there for a stretch only shows there, whenever its trace is seen.
 pub(crate) fn locate_family(scene: &Scene, open: &Open, family: usize) -> (Vec<Place>, Vec<Evidence>) {
-    let dictionary = Dictionary::new(&scene.ran.recording, &[]);
+    let dictionary = vocabulary(&scene.ran.recording, &[]);
     let Some((found, _)) = open.prices.posterior(&[family]) else { return Default::default() };
     let mut mean = vec![0.0; dictionary.own()];
     for (m, value) in open.prices.groups[family].members.iter().zip(found.iter()) {
-        mean[*m] = *value;
+        open.columns[*m].iter().for_each(|column| mean[*column] = *value);
     }
-    map(scene, &dictionary, &mean).unwrap_or_default()
+    let bounds = match open.burst(family) {
+        Some(burst) => vec![(burst.stretch.start, burst.stretch.end)],
+        None => stretches(scene),
+    };
+    map(scene, &dictionary, &mean, &bounds).unwrap_or_default()
 }
 
-fn map(scene: &Scene, priced: &dyn Priced, mean: &[f64]) -> Option<(Vec<Place>, Vec<Evidence>)> {
+fn map(
+    scene: &Scene,
+    priced: &dyn Priced,
+    mean: &[f64],
+    bounds: &[(f64, f64)],
+) -> Option<(Vec<Place>, Vec<Evidence>)> {
     let recording = &scene.ran.recording;
     let nc = 1 + priced.count();
-    let bounds = stretches(scene);
     let mut gains = vec![[0.0; 9]; bounds.len()];
     let mut evidence = Vec::new();
     let (mut total, mut at, mut stretch) = (0.0, 0, 0);

@@ -16,6 +16,9 @@ const CERTAIN: f64 = 2.0;
 const MORE_CERTAIN: f64 = 8.0;
 /// Steps the fit looks at, about.
 const STEPS: usize = 900;
+/// Steps of the fit longer than this are long.
+const FAR: f64 = 0.3;
+const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 /// Standard deviation of the logarithm of a scale before the fit.
 const PRIOR: f64 = 1.0;
 
@@ -68,14 +71,17 @@ pub(crate) fn fit(recording: &Recording) -> (Noise, bool) {
     let unit = |i: usize| Vector3::ith(i, 1.0);
     let h = 0.12;
     let mut x = Vector3::zeros();
+    let mut mixed = [0.0; 3];
+    // how far the last step went: the mixed derivatives, in units of the others, are looked at anew after a long one
+    let mut moved = f64::INFINITY;
     for _ in 0..15 {
         let mut places = vec![x];
         for i in 0..3 {
             places.push(x + unit(i) * h);
             places.push(x - unit(i) * h);
         }
-        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-            places.push(x + (unit(i) + unit(j)) * h);
+        if moved > FAR {
+            places.extend(PAIRS.map(|(i, j)| x + (unit(i) + unit(j)) * h));
         }
         let f = objectives(recording, &places);
         let mut gradient = Vector3::zeros();
@@ -87,10 +93,13 @@ pub(crate) fn fit(recording: &Recording) -> (Noise, bool) {
             let bent = (2.0 * f[0] - up - down) / (h * h);
             curvature[(i, i)] = bent.max(gradient[i].abs()).max(1.0);
         }
-        for (k, (i, j)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
-            let cross = -(f[7 + k] - f[1 + 2 * i] - f[1 + 2 * j] + f[0]) / (h * h);
-            let bound = 0.9 * f64::sqrt(curvature[(i, i)] * curvature[(j, j)]);
-            curvature[(i, j)] = cross.clamp(-bound, bound);
+        for (k, (i, j)) in PAIRS.into_iter().enumerate() {
+            let scale = f64::sqrt(curvature[(i, i)] * curvature[(j, j)]);
+            if moved > FAR {
+                let cross = -(f[7 + k] - f[1 + 2 * i] - f[1 + 2 * j] + f[0]) / (h * h);
+                mixed[k] = (cross / scale).clamp(-0.9, 0.9);
+            }
+            curvature[(i, j)] = mixed[k] * scale;
             curvature[(j, i)] = curvature[(i, j)];
         }
         // at a bound that the gradient pushes against, the others move on their own
@@ -106,15 +115,15 @@ pub(crate) fn fit(recording: &Recording) -> (Noise, bool) {
         }
         let step = curvature.cholesky().map_or(gradient * 0.01, |c| c.solve(&gradient));
         let step = step.map(|s| s.clamp(-0.7, 0.7));
-        let tries: Vec<Vector3<f64>> =
-            [1.0, 0.5, 0.2, 0.05].iter().map(|s| (x + step * *s).map(|v| v.clamp(-limit, limit))).collect();
-        let g = objectives(recording, &tries);
-        let Some(best) = (0..tries.len()).filter(|k| g[*k] > f[0]).max_by(|a, b| g[*a].total_cmp(&g[*b]))
-        else {
-            break;
+        let tries = |parts: [f64; 2]| parts.map(|s| (x + step * s).map(|v| v.clamp(-limit, limit)));
+        let better = |tries: [Vector3<f64>; 2]| {
+            let values = objectives(recording, &tries);
+            let best = if values[1] > values[0] { 1 } else { 0 };
+            (values[best] > f[0]).then_some(tries[best])
         };
-        let moved = (tries[best] - x).amax();
-        x = tries[best];
+        let Some(next) = better(tries([1.0, 0.5])).or_else(|| better(tries([0.2, 0.05]))) else { break };
+        moved = (next - x).amax();
+        x = next;
         if moved < 0.02 {
             break;
         }

@@ -6,10 +6,10 @@ use crate::chi2::ln_survival;
 use crate::recording::Column;
 
 /// A direction of an effect in which its prior size would not even show as one standard deviation is left out of tests.
-const SEEN: f64 = 1.0;
+pub(crate) const SEEN: f64 = 1.0;
 
 /// Estimates beyond so many standard deviations of their prior show that it was too narrow.
-const BEYOND: f64 = 2.0;
+pub(crate) const BEYOND: f64 = 2.0;
 
 /// Inverse variance of a wide prior, in units of a block's.
 const WIDE: f64 = 1e-2;
@@ -46,6 +46,30 @@ impl Prices {
         let b = DVector::from_fn(n, |i, _| gram[i + 1] * sigma[i]);
         let lambda = DMatrix::from_fn(n, n, |i, j| gram[(i + 1) * (n + 1) + j + 1] * sigma[i] * sigma[j]);
         Self { b, lambda, sigma, groups }
+    }
+
+    /// Prices of sums of columns, each of columns with equal priors, in `groups` of them.
+    pub(crate) fn summed(&self, sums: &[Vec<usize>], groups: Vec<Group>) -> Self {
+        let n = sums.len();
+        let b = DVector::from_fn(n, |i, _| sums[i].iter().map(|m| self.b[*m]).sum());
+        let lambda = DMatrix::from_fn(n, n, |i, j| {
+            let of = |m: &usize| sums[j].iter().map(|k| self.lambda[(*m, *k)]).sum::<f64>();
+            sums[i].iter().map(of).sum()
+        });
+        let sigma = sums.iter().map(|s| self.sigma[s[0]]).collect();
+        Self { b, lambda, sigma, groups }
+    }
+
+    /// Prices of some groups, without the others.
+    pub(crate) fn only(&self, groups: &[usize]) -> Self {
+        let columns: Vec<Vec<usize>> = self.members(groups).into_iter().map(|m| vec![m]).collect();
+        let mut at = 0;
+        let renumbered = |g: &usize| {
+            let Group { name, members } = &self.groups[*g];
+            at += members.len();
+            Group { name: name.clone(), members: (at - members.len()..at).collect() }
+        };
+        self.summed(&columns, groups.iter().map(renumbered).collect())
     }
 
     /// Columns of some groups.
@@ -202,6 +226,13 @@ impl Prices {
         let members = &self.groups[group].members;
         let eigen = self.lambda.select_rows(members).select_columns(members).symmetric_eigenvalues();
         (eigen.max().max(0.0).sqrt(), eigen.min().max(0.0).sqrt())
+    }
+
+    /// Information about the components of a group, physical, row by row.
+    pub(crate) fn information(&self, group: usize) -> Vec<f64> {
+        let members = &self.groups[group].members;
+        let of = |i: &usize, j: &usize| self.lambda[(*i, *j)] / (self.sigma[*i] * self.sigma[*j]);
+        members.iter().flat_map(|i| members.iter().map(move |j| of(i, j))).collect()
     }
 
     /// The most significant of some groups.

@@ -69,6 +69,10 @@ pub struct Rival {
     pub chosen_on_top: f64,
     /// Standard deviations that an effect of its prior's size would show in its best direction.
     pub excitation: f64,
+    /// What the log says of its components, SI, row by row: an effect theta shows at the root of theta' I theta standard
+    /// deviations.
+    #[serde(skip)]
+    pub information: Vec<f64>,
 }
 
 /// Factors on the stated noise.

@@ -93,8 +93,9 @@ pub(crate) fn rerun(
     let (first, second) = scenes;
     let best = &decision.best.groups;
     let sizes = first.prices.sizes(best).ok_or(Error::Indefinite { log: FIRST })?;
+    let name = |g: &usize| first.prices.groups[*g].name.as_str();
     let added: Vec<(&str, f64)> =
-        best.iter().map(|g| first.prices.groups[*g].name.as_str()).zip(sizes).collect();
+        best.iter().zip(sizes).map(|(g, size)| (name(g), size * first.wider.factor(name(g)))).collect();
     let (there, here) = both(
         || verify.zip(second).map(|(log, scene)| Pair::run(machine, &added, log, scene)),
         || Pair::run(machine, &added, log, first),

@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use sinscal::effect;
 
-use crate::report::{Diagnosis, FoundEffect, Verdict};
+use crate::name::MARGIN;
+use crate::report::{Diagnosis, FoundEffect, Rival, Verdict};
 
 /// A value and its standard deviation in the unit of data sheets.
 fn value(name: &str, component: &str, unit: &str, value: f64, sigma: f64) -> String {
@@ -91,21 +92,29 @@ fn found(d: &Diagnosis, gain: f64) -> String {
         power(least),
         if d.effects.len() > 1 { " or more for each" } else { "" }
     );
-    let rejected = d
-        .rivals
-        .iter()
-        .filter(|r| d.effects.iter().all(|e| e.name != r.name) && r.gain_alone > 1.0)
-        .max_by(|a, b| a.gain_alone.total_cmp(&b.gain_alone));
-    if let Some(r) = rejected {
-        let it = if d.effects.len() > 1 { "what was found" } else { d.effects[0].name.as_str() };
-        let _ = write!(
-            text,
-            "; {} rejected: {it} still adds {:.0} on top of it, it adds {:.1} on top of {it}",
-            r.name, r.chosen_on_top, r.gain_on_top
-        );
+    let names = |name: &str| d.effects.iter().any(|e| e.name == name);
+    let others = d.rivals.iter().filter(|r| !names(&r.name) && r.gain_alone > 1.0);
+    if let Some(rival) = others.max_by(|a, b| a.gain_alone.total_cmp(&b.gain_alone)) {
+        let found = if d.effects.len() > 1 { "what was found" } else { d.effects[0].name.as_str() };
+        text += &nearest(rival, found);
     }
     text.push('.');
     text
+}
+
+/// The rival that explains most by itself, and why it was not named.
+fn nearest(rival: &Rival, found: &str) -> String {
+    let Rival { name, gain_alone, gain_on_top, chosen_on_top, .. } = rival;
+    let adds = |gain: f64| if gain > 1.0 { format!("{gain:.0} more") } else { "nothing".into() };
+    let (more, less) = (adds(*chosen_on_top), adds(*gain_on_top));
+    let judged = if *chosen_on_top < MARGIN {
+        format!("it can stand for {found}, but with more unknowns and no better")
+    } else if *gain_on_top < MARGIN {
+        format!("rejected: with it in the filter {found} gains {more}, the other way round it gains {less}")
+    } else {
+        format!("it cannot stand for {found}, which gains {more} beside it; beside {found} it gains {less}")
+    };
+    format!(". Nearest rival: {name}, which gains {gain_alone:.0} by itself; {judged}")
 }
 
 /// What the next run should do so that two effects part.

@@ -4,7 +4,7 @@ use sinscal::Diverged;
 
 use crate::linear::{Noise, Recorded, run};
 use crate::noise;
-use crate::prices::{Prices, groups_of};
+use crate::prices::{BEYOND, Prices, groups_of};
 use crate::run::{Log, Machine, Ran};
 
 /// A reference that stays within so many of its standard deviations does not move.
@@ -12,9 +12,43 @@ const STILL: f64 = 10.0;
 /// Below so many standard deviations an effect of its prior's size does not show.
 pub(crate) const EXCITED: f64 = 3.0;
 
+/// The filter is run with wider priors no more than so many times.
+const WIDENINGS: usize = 2;
+
+/// Factors on the priors of candidates that showed beyond them. An effect must not be pulled back by how large it was expected to
+/// be: what is left of it would look like something unknown.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Wider(Vec<(&'static str, f64)>);
+
+impl Wider {
+    pub(crate) fn factor(&self, block: &str) -> f64 {
+        self.0.iter().find(|w| w.0 == block).map_or(1.0, |w| w.1)
+    }
+
+    /// Widens the priors of blocks whose estimates are beyond them; whether there were any.
+    fn widen(&mut self, ran: &Ran) -> bool {
+        let before = self.clone();
+        let mut any = false;
+        for (column, (estimate, _)) in ran.recording.columns().iter().zip(&ran.estimate) {
+            if column.base || column.prior <= 0.0 || estimate.abs() <= BEYOND * column.prior {
+                continue;
+            }
+            any = true;
+            let block = column.info.block;
+            // of several components the largest counts
+            let factor = self.factor(block).max(before.factor(block) * estimate.abs() / column.prior);
+            self.0.retain(|w| w.0 != block);
+            self.0.push((block, factor));
+        }
+        any
+    }
+}
+
 /// Everything that the later stages ask of a log.
 pub(crate) struct Scene {
     pub(crate) ran: Ran,
+    /// Priors that were too narrow.
+    pub(crate) wider: Wider,
     /// Whether the observed point stays where it is.
     pub(crate) fixed: bool,
     pub(crate) noise: Noise,
@@ -35,7 +69,14 @@ impl Scene {
             "reference-misalignment" => attitude,
             _ => true,
         };
-        let ran = machine.run(log, &|block| f64::from(u8::from(takes(block))))?;
+        let mut wider = Wider::default();
+        let mut ran = machine.run(log, &|block| if takes(block) { 1.0 } else { 0.0 })?;
+        for _ in 0..WIDENINGS {
+            if !wider.widen(&ran) {
+                break;
+            }
+            ran = machine.run(log, &|block| if takes(block) { wider.factor(block) } else { 0.0 })?;
+        }
         if ran.recording.updates() < 100 {
             return Err(SceneError::TooShort { updates: ran.recording.updates() });
         }
@@ -63,7 +104,7 @@ impl Scene {
         let groups = groups_of(recording.columns(), &priced);
         let prices = Prices::new(&found.gram, sigma.clone(), groups.clone());
         let half = Prices::new(&half, sigma, groups);
-        Ok(Self { ran, fixed, noise, noise_hides, prices, half })
+        Ok(Self { ran, wider, fixed, noise, noise_hides, prices, half })
     }
 
     /// Groups that the path excites.

@@ -9,15 +9,27 @@ use crate::random::Stream;
 const DRAWS: usize = 20_000;
 
 /// The logarithm of the p-value that the most significant of `groups` falls below with probability `rate` when nothing
-/// is missing: b is then normal with mean zero and covariance Lambda.
+/// is missing.
 pub(crate) fn simulate(prices: &Prices, groups: &[usize], rate: f64, seed: u64, purpose: &str) -> f64 {
-    let members = prices.members(groups);
-    let n = members.len();
+    let local = prices.only(groups);
+    let tests: Vec<_> = (0..local.groups.len()).filter_map(|g| local.test(g)).collect();
+    least(&local.lambda, rate, seed, purpose, &|b| tests.iter().map(|test| test.ln_p(b)).fold(0.0, f64::min))
+}
+
+/// What `statistic` of the score b falls below with probability `rate` when nothing is missing: b is then normal with mean
+/// zero and covariance Lambda.
+pub(crate) fn least(
+    lambda: &DMatrix<f64>,
+    rate: f64,
+    seed: u64,
+    purpose: &str,
+    statistic: &dyn Fn(&[f64]) -> f64,
+) -> f64 {
+    let n = lambda.nrows();
     if n == 0 {
         return f64::NEG_INFINITY;
     }
     // unit diagonal before the eigenvalues, or those of weak columns are lost in the rounding of strong ones
-    let lambda = prices.lambda.select_rows(&members).select_columns(&members);
     let scale = DVector::from_fn(n, |i, _| lambda[(i, i)].max(0.0).sqrt());
     let inverse = scale.map(|s| if s > 0.0 { 1.0 / s } else { 0.0 });
     let unit = DMatrix::from_fn(n, n, |i, j| lambda[(i, j)] * inverse[i] * inverse[j]);
@@ -29,29 +41,10 @@ pub(crate) fn simulate(prices: &Prices, groups: &[usize], rate: f64, seed: u64, 
     // in batches, so that the product is one of matrices
     let batch = 500;
     let mut smallest = Vec::with_capacity(DRAWS);
-    let mut local = Prices {
-        b: DVector::zeros(n),
-        lambda,
-        sigma: members.iter().map(|m| prices.sigma[*m]).collect(),
-        groups: Vec::new(),
-    };
-    let mut at = 0;
-    for g in groups {
-        let mut group = prices.groups[*g].clone();
-        for m in &mut group.members {
-            *m = at;
-            at += 1;
-        }
-        local.groups.push(group);
-    }
-    let tests: Vec<_> = (0..local.groups.len()).filter_map(|g| local.test(g)).collect();
     for _ in 0..DRAWS / batch {
         let normal = DMatrix::from_fn(n, batch, |_, _| stream.normal());
         let draws = &root * normal;
-        for column in draws.column_iter() {
-            let least = tests.iter().map(|test| test.ln_p(column.as_slice())).fold(0.0, f64::min);
-            smallest.push(least);
-        }
+        smallest.extend(draws.column_iter().map(|column| statistic(column.as_slice())));
     }
     smallest.sort_unstable_by(f64::total_cmp);
     smallest[((DRAWS as f64 * rate) as usize).min(DRAWS - 1)]

@@ -48,6 +48,8 @@ const OUTSIDE: &[(&str, f64)] = &[
     ("accelerometer bias by temperature squared", 3e-8),
     ("gyro bias by (omega_i f_k)", 1e-7),
     ("gyro bias step", 6e-9),
+    ("gyro bias for 60 s", 5e-8),
+    ("accelerometer bias for 60 s", 8e-6),
     ("accelerometer bias by omega_i", 2e-5),
 ];
 
@@ -65,9 +67,13 @@ impl Hidden {
             Self::Nothing(gyro, accel) if *gyro == 1.0 && *accel == 1.0 => "nothing",
             Self::Nothing(..) => "nothing, noise misstated",
             Self::Effects(names, _) if names.len() > 1 => "pair",
-            Self::Effects(_, strength) if *strength < 10.0 => "single, 8 sigma",
-            Self::Effects(_, strength) if *strength < 50.0 => "single, 20 sigma",
-            Self::Effects(..) => "single, 80 sigma",
+            Self::Effects(_, strength) => match strength {
+                ..7.0 => "single,  6 sigma",
+                ..10.0 => "single,  8 sigma",
+                ..16.0 => "single, 12 sigma",
+                ..50.0 => "single, 20 sigma",
+                _ => "single, 80 sigma",
+            },
             Self::Outside(..) => "outside",
             Self::NotExcited(_) => "not excited",
         }
@@ -119,7 +125,7 @@ impl Case {
     /// When the rig refuses the scenario; that would be a fault of this crate.
     pub fn draw(seed: u64) -> Result<Self, ScenarioError> {
         let mut stream = Stream::new(seed, "blind");
-        let strength = [8.0, 20.0, 80.0][stream.below(3)];
+        let strength = [6.0, 8.0, 12.0, 20.0, 80.0][stream.below(5)];
         let hidden = match stream.below(20) {
             0..2 => Hidden::Nothing(1.0, 1.0),
             2..4 => {
@@ -228,6 +234,17 @@ impl Case {
         }
     }
 
+    /// At how many standard deviations the single hidden effect shows in the log, to a filter that is the declared one.
+    pub(crate) fn strength(&self, d: &Diagnosis) -> Option<f64> {
+        let Hidden::Effects(names, _) = &self.hidden else { return None };
+        let &[name] = names.as_slice() else { return None };
+        let information = &d.rivals.iter().find(|r| r.name == name && name != DITHER)?.information;
+        let n = information.len().isqrt();
+        let of = |i: usize| self.truth.value(name, i);
+        let sum: f64 = (0..n * n).map(|k| of(k / n) * information[k] * of(k % n)).sum();
+        Some(sum.max(0.0).sqrt())
+    }
+
     /// Normalised squared error of the values of rightly named effects, component by component, and their number.
     pub(crate) fn nees(&self, d: &Diagnosis) -> Option<(f64, usize)> {
         if self.grade(d) != Grade::Right || d.effects.is_empty() {
@@ -320,6 +337,7 @@ fn hide(name: &str, strength: f64, rate: f64, samples: &mut [Sample], stream: &m
     let direction = Vector3::new(stream.normal(), stream.normal(), stream.normal()).normalize() * size;
     let dt = 1.0 / rate;
     let half = samples.len() / 2;
+    let minute = (0.1 + 0.08 * stream.below(10) as f64) * samples.len() as f64 * dt;
     let mut temperature = Vector3::repeat(25.0);
     let mut ended = f64::NEG_INFINITY;
     for (at, s) in samples.iter_mut().enumerate() {
@@ -332,6 +350,7 @@ fn hide(name: &str, strength: f64, rate: f64, samples: &mut [Sample], stream: &m
         }
         let t = temperature.add_scalar(-25.0);
         let late = if at > half { 1.0 } else { 0.0 };
+        let for_a_minute = if (0.0..60.0).contains(&(at as f64 * dt - minute)) { 1.0 } else { 0.0 };
         match name {
             "accelerometer transient after rotation" => {
                 s.dvel += direction * (-(s.time - ended) / 40.0).exp() * dt;
@@ -345,6 +364,8 @@ fn hide(name: &str, strength: f64, rate: f64, samples: &mut [Sample], stream: &m
                 s.dtheta += direction.component_mul(&w.component_mul(&k)) * dt;
             }
             "gyro bias step" => s.dtheta += direction * late * dt,
+            "gyro bias for 60 s" => s.dtheta += direction * for_a_minute * dt,
+            "accelerometer bias for 60 s" => s.dvel += direction * for_a_minute * dt,
             _ => s.dvel += direction.component_mul(&w) * dt,
         }
     }

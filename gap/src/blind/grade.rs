@@ -43,11 +43,22 @@ impl Grade {
     }
 }
 
+/// Strengths of single effects that are counted together: up to, name.
+const STRENGTHS: [(f64, &str); 5] = [
+    (5.0, "shows at less than 5"),
+    (7.0, "shows at 5 to 7"),
+    (10.0, "shows at 7 to 10"),
+    (14.0, "shows at 10 to 14"),
+    (f64::INFINITY, "shows at more than 14"),
+];
+
 /// A series of trials in numbers: one row for each kind of case, in the order of their names.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Table {
     /// Counts by kind: right, half, miss, wrong, alarm.
     pub rows: Vec<(&'static str, [usize; 5])>,
+    /// The same for single effects, by the number of standard deviations at which they show to the filter.
+    pub strengths: Vec<(&'static str, [usize; 5])>,
     /// Mean score; 1 is perfect.
     pub score: f64,
     /// Normalised squared error of the values of right names, per degree of freedom; 1 is expected.
@@ -57,7 +68,8 @@ pub struct Table {
 impl Table {
     /// Sums up `trials`.
     pub fn of(trials: &[Trial]) -> Self {
-        let mut table = Self::default();
+        let strengths = STRENGTHS.iter().map(|s| (s.1, [0; 5])).collect();
+        let mut table = Self { strengths, ..Self::default() };
         let mut points = 0.0;
         let mut nees = (0.0, 0);
         for trial in trials {
@@ -67,6 +79,13 @@ impl Table {
             });
             for (count, (grade, _)) in table.rows[at].1.iter_mut().zip(GRADES) {
                 *count += usize::from(grade == trial.grade);
+            }
+            if let Some(strength) = trial.strength
+                && let Some(at) = STRENGTHS.iter().position(|s| strength < s.0)
+            {
+                for (count, (grade, _)) in table.strengths[at].1.iter_mut().zip(GRADES) {
+                    *count += usize::from(grade == trial.grade);
+                }
             }
             points += trial.grade.points();
             if let Some((sum, n)) = trial.nees {
@@ -105,16 +124,22 @@ impl fmt::Display for Table {
         for (_, name) in GRADES {
             write!(f, " {name:>6}")?;
         }
-        for (kind, counts) in &self.rows {
-            write!(f, "\n{kind:26}")?;
-            for count in counts {
-                write!(f, " {count:6}")?;
+        let rows = |rows: &[(&str, [usize; 5])], f: &mut fmt::Formatter<'_>| {
+            for (kind, counts) in rows {
+                write!(f, "\n{kind:26}")?;
+                for count in counts {
+                    write!(f, " {count:6}")?;
+                }
             }
-        }
+            Ok(())
+        };
+        rows(&self.rows, f)?;
         write!(f, "\n{:26}", "all")?;
         for (grade, _) in GRADES {
             write!(f, " {:6}", self.count(grade))?;
         }
+        write!(f, "\nsingle effects, by sigmas at which they show to the filter:")?;
+        rows(&self.strengths, f)?;
         writeln!(f)?;
         for (grade, name) in
             [(Grade::Right, "right"), (Grade::Wrong, "wrong names"), (Grade::Alarm, "alarms")]

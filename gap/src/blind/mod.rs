@@ -27,6 +27,8 @@ pub struct Trial {
     pub verdict: Verdict,
     /// Its sentence.
     pub sentence: String,
+    /// Of a single effect: the number of standard deviations at which it shows to the filter.
+    pub strength: Option<f64>,
     /// For a right name: squared error over covariance of what was estimated, and its degrees of freedom.
     pub nees: Option<(f64, usize)>,
 }
@@ -66,6 +68,7 @@ pub fn trial(seed: u64, options: &Options) -> Result<Trial, TrialError> {
         kind: case.hidden.kind(),
         grade: case.grade(&d),
         verdict: d.verdict,
+        strength: case.strength(&d),
         nees: case.nees(&d),
         sentence: d.sentence,
     })
