@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Result, miette};
 use sinscal::{FILTERS, InitialAttitude, Sample};
 
-use crate::log::Log;
+use crate::log::{ColumnMap, Log};
 use crate::report::diagnosis;
 use crate::report::inputs::Inputs;
 use crate::{output, self_test, setup};
@@ -25,6 +25,8 @@ pub(crate) struct Arguments {
     /// The log: path of its table or description, with or without ending
     #[arg(required_unless_present = "self_test")]
     log: Option<PathBuf>,
+    #[command(flatten)]
+    columns: ColumnMap,
     /// The filter to begin with; `sinscal filters` lists them
     #[arg(long, value_name = "NAME", ignore_case = true, required_unless_present = "self_test",
           value_parser = PossibleValuesParser::new(FILTERS.iter().map(|filter| filter.name)))]
@@ -55,8 +57,8 @@ struct Loaded {
 }
 
 impl Loaded {
-    fn new(path: &Path) -> Result<Self> {
-        let log = Log::open(path)?;
+    fn new(path: &Path, columns: &ColumnMap) -> Result<Self> {
+        let log = Log::open(path, columns)?;
         for warning in log.warnings() {
             output::remark(&format!("warning: {warning}"));
         }
@@ -74,8 +76,8 @@ impl Arguments {
             // the parser of the command line lets nothing else through
             _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, &target),
         };
-        let first = Loaded::new(log)?;
-        let second = self.verify.as_deref().map(Loaded::new).transpose()?;
+        let first = Loaded::new(log, &self.columns)?;
+        let second = self.verify.as_deref().map(|log| Loaded::new(log, &self.columns)).transpose()?;
 
         let first_setup = setup::of(&first.log, first.initial);
         let second_setup = second.as_ref().map(|second| setup::of(&second.log, second.initial));

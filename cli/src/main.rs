@@ -12,6 +12,7 @@ mod demo;
 mod diagnose;
 mod draw;
 mod effects;
+mod export;
 mod figures;
 mod filters;
 mod history;
@@ -40,6 +41,8 @@ Examples:
   sinscal observe runs/unit-3 --filter 43d-b          what the log can show
   sinscal calibrate runs/unit-3 --filter 43d-b --out results
   sinscal diagnose runs/unit-3 --filter 36d-p --out findings
+  sinscal calibrate log.mat --filter 43d-b --map gyro=wm,accel=vm,time=t
+  sinscal export results/calibration.json --format c --out imu_calibration.h
 
 Exit codes: 0 the work was done, 1 bad input or a failed run, 2 bad usage.
 With --out DIR every command writes DIR/report.html, which needs no network. NO_COLOR switches colours off.";
@@ -61,6 +64,7 @@ enum Command {
     Ablate(ablate::Arguments),
     Observe(observe::Arguments),
     Navigate(navigate::Arguments),
+    Export(export::Arguments),
     Campaign(campaign::Arguments),
     Paper(paper::Arguments),
     Filters(filters::Arguments),
@@ -87,6 +91,7 @@ fn main() -> ExitCode {
         Command::Ablate(arguments) => arguments.run(),
         Command::Observe(arguments) => arguments.run(),
         Command::Navigate(arguments) => arguments.run(),
+        Command::Export(arguments) => arguments.run(),
         Command::Campaign(arguments) => arguments.run(),
         Command::Paper(arguments) => arguments.run(),
         Command::Filters(arguments) => arguments.run(),

@@ -18,9 +18,18 @@ pub const DEG_PER_SQRT_HOUR: f64 = DEG / 60.0;
 pub type Units = &'static [(&'static str, f64)];
 
 pub(crate) const FREQUENCY: Units = &[("Hz", 1.0), ("kHz", 1e3)];
-pub(crate) const TIME: Units =
-    &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("min", 60.0), ("h", HOUR), ("days", 24.0 * HOUR)];
-pub(crate) const ANGLE: Units = &[
+/// Units of time.
+pub const TIME: Units = &[
+    ("s", 1.0),
+    ("ms", 1e-3),
+    ("us", 1e-6),
+    ("ns", 1e-9),
+    ("min", 60.0),
+    ("h", HOUR),
+    ("days", 24.0 * HOUR),
+];
+/// Units of angle.
+pub const ANGLE: Units = &[
     ("rad", 1.0),
     ("mrad", 1e-3),
     ("urad", 1e-6),
@@ -29,13 +38,17 @@ pub(crate) const ANGLE: Units = &[
     ("arcsec", DEG / 3600.0),
 ];
 pub(crate) const RATIO: Units = &[("1", 1.0), ("%", 1e-2), ("ppm", 1e-6)];
-pub(crate) const LENGTH: Units = &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3)];
-pub(crate) const VELOCITY: Units = &[("m/s", 1.0), ("mm/s", 1e-3), ("um/s", 1e-6)];
-pub(crate) const ANGULAR_RATE: Units =
-    &[("rad/s", 1.0), ("mrad/s", 1e-3), ("deg/s", DEG), ("deg/h", DEG / HOUR)];
+/// Units of length.
+pub const LENGTH: Units = &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3)];
+/// Units of velocity.
+pub const VELOCITY: Units = &[("m/s", 1.0), ("mm/s", 1e-3), ("um/s", 1e-6)];
+/// Units of angular rate.
+pub const ANGULAR_RATE: Units = &[("rad/s", 1.0), ("mrad/s", 1e-3), ("deg/s", DEG), ("deg/h", DEG / HOUR)];
 pub(crate) const ANGULAR_ACCELERATION: Units = &[("rad/s^2", 1.0), ("deg/s^2", DEG)];
-pub(crate) const FORCE: Units = &[("m/s^2", 1.0), ("g", G), ("mg", G * 1e-3), ("ug", G * 1e-6)];
-pub(crate) const TEMPERATURE: Units = &[("degC", 1.0)];
+/// Units of specific force.
+pub const FORCE: Units = &[("m/s^2", 1.0), ("g", G), ("mg", G * 1e-3), ("ug", G * 1e-6)];
+/// Units of temperature.
+pub const TEMPERATURE: Units = &[("degC", 1.0)];
 pub(crate) const DIFFERENCE: Units = &[("K", 1.0)];
 pub(crate) const ANGLE_WALK: Units =
     &[("rad/sqrt(s)", 1.0), ("deg/sqrt(h)", DEG / 60.0), ("deg/sqrt(s)", DEG)];

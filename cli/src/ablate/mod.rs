@@ -10,7 +10,7 @@ use miette::{IntoDiagnostic, Result};
 use serde::Serialize;
 
 use self::run::Fit;
-use crate::log::Log;
+use crate::log::{ColumnMap, Log};
 use crate::navigate::run::{Flight, navigate};
 use crate::navigate::{ALIGNMENT, alignment, errors, section};
 use crate::output;
@@ -22,6 +22,8 @@ use crate::report::{Cell, Report as Page, Section, Table, Tone, number, text};
 pub(crate) struct Arguments {
     /// The log to calibrate with: path of its table or description, with or without ending
     log: PathBuf,
+    #[command(flatten)]
+    columns: ColumnMap,
     /// A log to navigate on with each calibration
     #[arg(long, value_name = "LOG")]
     swing: Option<PathBuf>,
@@ -61,8 +63,8 @@ struct Row {
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
-        let log = Log::open(&self.log)?;
-        let swing = self.swing.as_deref().map(Log::open).transpose()?;
+        let log = Log::open(&self.log, &self.columns)?;
+        let swing = self.swing.as_deref().map(|swing| Log::open(swing, &self.columns)).transpose()?;
         for warning in log.warnings().iter().chain(swing.iter().flat_map(|log| log.warnings())) {
             output::remark(&format!("warning: {warning}"));
         }

@@ -33,6 +33,8 @@ pub(super) struct Report {
     log_likelihood: f64,
     bridged_rows: u64,
     log: String,
+    /// Where temperature effects vanish.
+    reference_temperature_c: f64,
     /// What the coarse stage took out of the samples; it is contained in the parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
     coarse: Option<CoarseReport>,
@@ -151,6 +153,7 @@ impl Report {
             log_likelihood: outcome.statistics.log_likelihood,
             bridged_rows: outcome.bridged.rows,
             log: log.table().display().to_string(),
+            reference_temperature_c: log.description().reference_temperature,
             coarse: log.coarse().map(CoarseReport::new),
             smoothed_start: start.map(|Smoothed { navigation, .. }| {
                 Final::new(&navigation.attitude, navigation.position(site), navigation.velocity)

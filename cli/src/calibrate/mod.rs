@@ -15,7 +15,7 @@ use clap::{Args, ValueEnum};
 use miette::{Result, miette};
 use sinscal::{Coarse, FILTERS, Parameter, UnknownPulses};
 
-use crate::log::Log;
+use crate::log::{ColumnMap, Log};
 use crate::output::{self, Files};
 use crate::setup;
 
@@ -24,6 +24,8 @@ use crate::setup;
 pub(crate) struct Arguments {
     /// The log: path of its table or description, with or without ending
     log: PathBuf,
+    #[command(flatten)]
+    columns: ColumnMap,
     /// The filter to run; `sinscal filters` lists them
     #[arg(long, value_name = "NAME", ignore_case = true,
           value_parser = PossibleValuesParser::new(FILTERS.iter().map(|filter| filter.name)))]
@@ -105,7 +107,7 @@ impl Arguments {
             .find(|filter| filter.name.eq_ignore_ascii_case(&self.filter))
             .ok_or_else(|| miette!("there is no filter called {}", self.filter))?;
 
-        let mut log = Log::open_counting(&self.log)?;
+        let mut log = Log::open_counting(&self.log, &self.columns)?;
         log.bridge_gaps(self.bridge_gaps);
         for warning in log.warnings() {
             output::remark(&format!("warning: {warning}"));

@@ -1,9 +1,6 @@
-//! The columns of a table: which there may be, which there must be, and where they stand in a file.
-
-use std::path::Path;
+//! The columns of the log format, and what yields them.
 
 use super::fault::LogError;
-use rig::suggest;
 
 /// Every column of the format; a slot is an index into this list.
 pub(super) const NAMES: [&str; 32] = [
@@ -63,7 +60,7 @@ impl Group {
     pub(super) const REF_POS: Self = Self { first: 25, len: 3 };
     pub(super) const REF_QUAT: Self = Self { first: 28, len: 4 };
 
-    const ALL: [Self; 11] = [
+    pub(super) const ALL: [Self; 11] = [
         Self::TIME,
         Self::DTHETA,
         Self::DVEL,
@@ -77,104 +74,14 @@ impl Group {
         Self::REF_QUAT,
     ];
 
+    /// Its columns.
+    pub(super) fn slots(self) -> std::ops::Range<usize> {
+        self.first..self.first + self.len
+    }
+
     /// Its columns' names.
     pub(super) fn names(self) -> &'static [&'static str] {
-        NAMES.get(self.first..self.first + self.len).unwrap_or_default()
-    }
-}
-
-/// Where the columns of the format stand in one file.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Layout {
-    /// Index in the file of each slot's column.
-    positions: [Option<usize>; NAMES.len()],
-    /// Number of columns in the file.
-    pub(super) width: usize,
-}
-
-impl Layout {
-    /// Finds the columns in a file's header; every fault is reported at once.
-    pub(super) fn new(path: &Path, header: &[impl AsRef<str>]) -> Result<Self, LogError> {
-        if header.iter().all(|name| !NAMES.contains(&name.as_ref().to_ascii_lowercase().as_str())) {
-            let first: String = header.first().map_or("", AsRef::as_ref).chars().take(64).collect();
-            let problem = format!("none of its columns is one of the log format; the first is `{first}`");
-            let help =
-                format!("the names of the columns come first of all; valid names: {}", NAMES.join(", "));
-            return Err(LogError::file(path, problem).help(help));
-        }
-        let mut faults = Vec::new();
-        let mut positions = [None; NAMES.len()];
-        for (index, name) in header.iter().map(AsRef::as_ref).enumerate() {
-            match NAMES.iter().position(|known| *known == name) {
-                None if name.is_empty() => {
-                    let problem = format!("{}: column {} has no name", path.display(), index + 1);
-                    let help = "a column of row numbers, or a comma at the end of the lines? Leave it out";
-                    faults.push(LogError::message(problem).help(help));
-                }
-                None => {
-                    let shown: String = name.chars().take(64).collect();
-                    let hint = suggest::hint(name, NAMES);
-                    faults
-                        .push(LogError::column(path, &shown, "is not a column of the log format").help(hint));
-                }
-                Some(slot) => match positions[slot] {
-                    None => positions[slot] = Some(index),
-                    Some(_) => faults.push(LogError::column(path, name, "stands there twice")),
-                },
-            }
-        }
-        let layout = Self { positions, width: header.len() };
-        if !layout.has(Group::TIME) {
-            faults.push(LogError::column(path, "time_s", "is missing").help("the end of each interval, s"));
-        }
-        for (increments, pulses) in [(Group::DTHETA, Group::GYRO_PULSE), (Group::DVEL, Group::ACCEL_PULSE)] {
-            let (first, alternative) = (increments.names()[0], pulses.names()[0]);
-            match (layout.any(increments), layout.any(pulses)) {
-                (true, true) => {
-                    let problem =
-                        format!("stands beside `{alternative}`: increments or pulse counts, not both");
-                    faults.push(LogError::column(path, first, problem));
-                }
-                (false, false) => {
-                    let missing = increments.names().join(", ");
-                    let help = format!(
-                        "expected {missing} (or {} with the scales in [imu])",
-                        pulses.names().join(", ")
-                    );
-                    faults.push(LogError::column(path, first, "is missing").help(help));
-                }
-                _ => {}
-            }
-        }
-        for group in Group::ALL.into_iter().filter(|group| layout.any(*group) && !layout.has(*group)) {
-            let (there, missing): (Vec<&str>, Vec<&str>) =
-                group.names().iter().partition(|name| header.iter().any(|column| column.as_ref() == **name));
-            let problem = format!("is missing beside `{}`", there.join("`, `"));
-            let help = format!("{} come together or not at all", group.names().join(", "));
-            faults.push(LogError::column(path, &missing.join("`, `"), problem).help(help));
-        }
-        match LogError::all(faults) {
-            Some(fault) => Err(fault),
-            None => Ok(layout),
-        }
-    }
-
-    /// Whether all columns of a group are there.
-    pub(super) fn has(&self, group: Group) -> bool {
-        self.slots(group).iter().all(Option::is_some)
-    }
-
-    fn any(&self, group: Group) -> bool {
-        self.slots(group).iter().any(Option::is_some)
-    }
-
-    fn slots(&self, group: Group) -> &[Option<usize>] {
-        self.positions.get(group.first..group.first + group.len).unwrap_or_default()
-    }
-
-    /// Slot and index in the file of every column that is there.
-    pub(super) fn columns(&self) -> impl Iterator<Item = (usize, usize)> {
-        self.positions.iter().enumerate().filter_map(|(slot, index)| index.map(|index| (slot, index)))
+        NAMES.get(self.slots()).unwrap_or_default()
     }
 }
 
@@ -204,6 +111,12 @@ impl Batch {
     /// The column of a slot, to be filled.
     pub(super) fn column_mut(&mut self, slot: usize) -> &mut Vec<f64> {
         &mut self.columns[slot]
+    }
+
+    /// The time column, and another to be changed.
+    pub(super) fn times_and(&mut self, slot: usize) -> (&[f64], &mut [f64]) {
+        let (times, others) = self.columns.split_at_mut(1);
+        (&times[0], others.get_mut(slot.wrapping_sub(1)).map_or(&mut [], |column| column))
     }
 
     /// The time column.

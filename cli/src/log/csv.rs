@@ -4,8 +4,10 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use super::columns::{Batch, Layout, NAMES, Source, may_be_empty};
+use super::columns::{Batch, NAMES, Source, may_be_empty};
 use super::fault::LogError;
+use super::layout::{Holds, Layout, Variable};
+use super::map::ColumnMap;
 
 /// No line of a log is longer; a file without line ends must not fill the memory.
 const LONGEST_LINE: u64 = 1 << 16;
@@ -16,14 +18,14 @@ const ROWS: usize = 4096;
 pub(super) struct CsvSource {
     path: PathBuf,
     lines: Lines,
-    /// Slot of each column of the file.
-    slots: Vec<usize>,
+    /// Slot of each column of the file, if it is read.
+    slots: Vec<Option<usize>>,
     row: u64,
 }
 
 impl CsvSource {
     /// Opens a file and reads its header.
-    pub(super) fn open(path: &Path) -> Result<(Self, Layout), LogError> {
+    pub(super) fn open(path: &Path, map: &ColumnMap) -> Result<(Self, Layout), LogError> {
         let file = File::open(path).map_err(|error| super::unreadable(path, &error))?;
         let mut lines =
             Lines { reader: BufReader::with_capacity(1 << 16, file), line: Vec::new(), position: 0 };
@@ -49,10 +51,12 @@ impl CsvSource {
         if names.iter().all(|name| name.parse::<f64>().is_ok()) {
             return Err(LogError::file(path, "line 1 holds numbers, the names of the columns were expected"));
         }
-        let layout = Layout::new(path, &names)?;
-        let mut slots = vec![0; layout.width];
-        for (slot, index) in layout.columns() {
-            slots[index] = slot;
+        let variable = |name: &&str| Variable { name: (*name).to_owned(), width: Ok(1) };
+        let variables: Vec<Variable> = names.iter().map(variable).collect();
+        let layout = Layout::new(path, &variables, Holds::Columns, map)?;
+        let mut slots = vec![None; variables.len()];
+        for (slot, place) in layout.columns() {
+            slots[place.variable] = Some(slot);
         }
         Ok((Self { path: path.to_owned(), lines, slots, row: 0 }, layout))
     }
@@ -73,6 +77,7 @@ impl CsvSource {
             return Err(LogError::row(&self.path, self.row, None, problem).help(help));
         }
         for (field, &slot) in text.split(',').zip(&self.slots) {
+            let Some(slot) = slot else { continue };
             let field = unquoted(field);
             let value = match field.parse::<f64>() {
                 Ok(value) => value,

@@ -29,8 +29,10 @@ struct Fault {
     span: Option<SourceSpan>,
     #[related]
     others: Vec<LogError>,
-    /// Row and column of a faulty cell.
-    cell: Option<(u64, String)>,
+    /// Row of a faulty cell.
+    row: Option<u64>,
+    /// Column of a faulty cell, or the faulty columns.
+    column: Option<String>,
 }
 
 impl LogError {
@@ -41,7 +43,8 @@ impl LogError {
             source_code: None,
             span: None,
             others: Vec::new(),
-            cell: None,
+            row: None,
+            column: None,
         }))
     }
 
@@ -57,7 +60,14 @@ impl LogError {
 
     /// A fault of one column of a table.
     pub(super) fn column(path: &Path, column: &str, problem: impl Display) -> Self {
-        Self::new(format!("{}, column `{column}`: {problem}", path.display()))
+        let mut fault = Self::new(format!("{}, column `{column}`: {problem}", path.display()));
+        fault.0.column = Some(column.to_owned());
+        fault
+    }
+
+    /// A fault of one variable of a file of arrays.
+    pub(super) fn variable(path: &Path, variable: &str, problem: impl Display) -> Self {
+        Self::new(format!("{}, variable `{variable}`: {problem}", path.display()))
     }
 
     /// A fault of one data row (counted from 1, the header does not count).
@@ -67,7 +77,8 @@ impl LogError {
             Some(column) => Self::new(format!("{path}, row {row}, column `{column}`: {problem}")),
             None => Self::new(format!("{path}, row {row}: {problem}")),
         };
-        fault.0.cell = Some((row, column.unwrap_or_default().to_owned()));
+        fault.0.row = Some(row);
+        fault.0.column = column.map(str::to_owned);
         fault
     }
 
@@ -111,13 +122,17 @@ impl LogError {
 
     /// Whether `next` is about the row after `row`, in the same column as this one.
     pub(super) fn continues(&self, row: u64, next: &Self) -> bool {
-        let column = |fault: &Self| fault.0.cell.as_ref().map(|(_, column)| column.clone());
-        next.row_number() == Some(row + 1) && column(self) == column(next)
+        next.row_number() == Some(row + 1) && self.0.column == next.0.column
     }
 
     /// The row of a faulty cell.
     pub(super) fn row_number(&self) -> Option<u64> {
-        self.0.cell.as_ref().map(|(row, _)| *row)
+        self.0.row
+    }
+
+    /// The column it is about, or several joined.
+    pub(super) fn column_names(&self) -> Option<&str> {
+        self.0.column.as_deref()
     }
 
     /// Adds a remark to the help.

@@ -6,8 +6,8 @@ use std::path::Path;
 use proptest::prelude::*;
 
 use self::damage::damaged;
-use super::Log;
 use super::tests::support::{DESCRIPTION, Table};
+use super::{ColumnMap, Log};
 
 #[path = "../../../tests/common/damage.rs"]
 pub(crate) mod damage;
@@ -17,7 +17,7 @@ const ROWS: usize = 120;
 
 /// Reads the log in a folder to its end or its first fault; the number of rows.
 fn read(folder: &Path) -> usize {
-    let Ok(mut log) = Log::open(&folder.join("log")) else { return 0 };
+    let Ok(mut log) = Log::open(&folder.join("log"), &ColumnMap::default()) else { return 0 };
     log.bridge_gaps(0.5);
     let Ok(samples) = log.samples() else { return 0 };
     let mut rows = 0;

@@ -2,8 +2,12 @@
 //!
 //! A log is named by its path with or without ending. Without one, the table beside `NAME.toml` is taken; when there
 //! is both `NAME.parquet` and `NAME.csv` the ending must say which is meant, so that no stale copy is read unnoticed.
+//!
+//! Tables in text (`csv`) and `parquet` are read in pieces; files of arrays (`mat5`, `hdf5`, `npz`) are read into memory. A
+//! `layout` says where the columns of the format stand in a file, from its names and the `map` given on the command line.
 
 mod ahead;
+mod arrays;
 mod columns;
 mod csv;
 mod description;
@@ -11,6 +15,15 @@ mod fault;
 mod fields;
 #[cfg(test)]
 pub(crate) mod fuzz;
+mod guard;
+#[cfg(feature = "hdf5")]
+mod hdf5;
+mod layout;
+mod map;
+#[cfg(feature = "mat")]
+mod mat5;
+#[cfg(feature = "npz")]
+mod npz;
 mod parquet;
 mod rows;
 #[cfg(test)]
@@ -18,18 +31,22 @@ mod tests;
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use sinscal::{CoarseCalibration, Sample, UnknownPulses};
 
-use self::columns::{Batch, Group, Layout, Source};
+use self::arrays::{Memory, MemorySource};
+use self::columns::{Batch, Group, Source};
 use self::csv::CsvSource;
+use self::layout::Layout;
 use self::parquet::ParquetSource;
 use self::rows::{Checker, Row};
 
 pub(crate) use self::ahead::Ahead;
 pub(crate) use self::description::Description;
 pub(crate) use self::fault::LogError;
-pub(crate) use self::parquet::decoding;
+pub(crate) use self::guard::decoding;
+pub(crate) use self::map::ColumnMap;
 
 /// A fixed point's reference holds at every instant; it is used at this rate, Hz.
 const FIXED_POINT_RATE: f64 = 1.0;
@@ -45,7 +62,9 @@ const DESCRIBED_ROWS: usize = 8;
 pub(crate) struct Log {
     description: Description,
     table: PathBuf,
-    kind: Kind,
+    rows: Rows,
+    map: ColumnMap,
+    layout: Layout,
     /// Rows or bytes: what reading it counts.
     size: u64,
     fixed_point: bool,
@@ -55,16 +74,39 @@ pub(crate) struct Log {
     warnings: Vec<String>,
 }
 
+/// Where the rows are.
+#[derive(Debug)]
+enum Rows {
+    Parquet,
+    Csv,
+    Memory(Arc<Memory>),
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Parquet,
     Csv,
+    Mat,
+    Hdf5,
+    Npz,
+    Npy,
 }
+
+/// The ending says what kind of file a table is.
+const ENDINGS: [(&str, Kind); 7] = [
+    ("parquet", Kind::Parquet),
+    ("csv", Kind::Csv),
+    ("mat", Kind::Mat),
+    ("h5", Kind::Hdf5),
+    ("hdf5", Kind::Hdf5),
+    ("npz", Kind::Npz),
+    ("npy", Kind::Npy),
+];
 
 impl Log {
     /// Finds the files of a log, reads the description and checks the columns. Pulses must have known sizes.
-    pub(crate) fn open(log: &Path) -> Result<Self, LogError> {
-        let log = Self::open_counting(log)?;
+    pub(crate) fn open(log: &Path, map: &ColumnMap) -> Result<Self, LogError> {
+        let log = Self::open_counting(log, map)?;
         let help = "give the size of a pulse on each axis; where the log has still positions, `sinscal calibrate` finds it \
                     and says what to write";
         log.lacking_scale(help).map_or(Ok(log), Err)
@@ -83,27 +125,48 @@ impl Log {
     }
 
     /// The same with pulses of unknown size: until [`correct`](Self::correct) says it, samples hold counts.
-    pub(crate) fn open_counting(log: &Path) -> Result<Self, LogError> {
+    pub(crate) fn open_counting(log: &Path, map: &ColumnMap) -> Result<Self, LogError> {
         let (table, kind, description_path) = find(log)?;
         let description = Description::read(&description_path)?;
-        let (layout, size) = match kind {
+        let (rows, layout, size) = match kind {
             Kind::Parquet => {
-                let (_, layout, rows) = ParquetSource::open(&table)?;
-                (layout, rows)
+                let (_, layout, rows) = ParquetSource::open(&table, map)?;
+                (Rows::Parquet, layout, rows)
             }
             Kind::Csv => {
-                let (_, layout) = CsvSource::open(&table)?;
-                (layout, table.metadata().map_err(|error| unreadable(&table, &error))?.len())
+                let (_, layout) = CsvSource::open(&table, map)?;
+                let size = table.metadata().map_err(|error| unreadable(&table, &error))?.len();
+                (Rows::Csv, layout, size)
+            }
+            Kind::Mat | Kind::Hdf5 | Kind::Npz | Kind::Npy => {
+                let (memory, layout) = load(&table, kind, map)?;
+                let size = memory.rows as u64;
+                (Rows::Memory(Arc::new(memory)), layout, size)
             }
         };
         let unknown = UnknownPulses {
             gyro: layout.has(Group::GYRO_PULSE) && description.gyro_pulse.is_none(),
             accel: layout.has(Group::ACCEL_PULSE) && description.accel_pulse.is_none(),
         };
-        let warnings = warnings(&description, &layout, &description_path);
+        let mut warnings = warnings(&description, &layout, &description_path);
+        if let Some(unused) = layout.unused() {
+            warnings.push(format!("{}: not used: {unused}", table.display()));
+        }
         let fixed_point =
             ![Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].into_iter().any(|group| layout.has(group));
-        Ok(Self { description, table, kind, size, fixed_point, bridge: 0.0, unknown, coarse: None, warnings })
+        Ok(Self {
+            description,
+            table,
+            rows,
+            map: map.clone(),
+            layout,
+            size,
+            fixed_point,
+            bridge: 0.0,
+            unknown,
+            coarse: None,
+            warnings,
+        })
     }
 
     /// Lets gaps of up to `seconds` be filled with interpolated increments.
@@ -163,20 +226,23 @@ impl Log {
 
     /// Starts reading from the first row.
     pub(crate) fn samples(&self) -> Result<Samples, LogError> {
-        let (source, layout): (Box<dyn Source + Send>, Layout) = match self.kind {
-            Kind::Parquet => {
-                let (source, layout, _) = ParquetSource::open(&self.table)?;
+        let (source, layout): (Box<dyn Source + Send>, Layout) = match &self.rows {
+            Rows::Parquet => {
+                let (source, layout, _) = ParquetSource::open(&self.table, &self.map)?;
                 (Box::new(source), layout)
             }
-            Kind::Csv => {
-                let (source, layout) = CsvSource::open(&self.table)?;
+            Rows::Csv => {
+                let (source, layout) = CsvSource::open(&self.table, &self.map)?;
                 (Box::new(source), layout)
             }
+            Rows::Memory(memory) => (Box::new(MemorySource::new(Arc::clone(memory))), self.layout.clone()),
         };
         Ok(Samples {
             checker: Checker::new(self.table.clone(), &self.description, &layout),
             source,
+            layout,
             batch: Batch::new(),
+            last_time: None,
             next: 0,
             rows: 0,
             table: self.table.clone(),
@@ -204,8 +270,11 @@ pub(crate) struct Bridged {
 /// The rows of a log in order, each checked. Ends after the first error.
 pub(crate) struct Samples {
     source: Box<dyn Source + Send>,
+    layout: Layout,
     checker: Checker,
     batch: Batch,
+    /// Time of the last row of the batch before.
+    last_time: Option<f64>,
     /// Next row of the batch.
     next: usize,
     rows: u64,
@@ -253,13 +322,15 @@ impl Samples {
                 }
                 return Ok(None);
             }
-            self.checker.check_batch(&self.batch)?;
+            self.layout.convert(&mut self.batch, self.interval, self.last_time);
+            self.last_time = self.batch.times().last().copied();
+            self.checker.check_batch(&self.batch).map_err(|fault| self.layout.explain(fault))?;
         }
         self.in_row = true;
         let row = self.checker.check(&self.batch, self.next);
         self.next += 1;
         self.rows += 1;
-        row.map(Some)
+        row.map(Some).map_err(|fault| self.layout.explain(fault))
     }
 
     /// The next sample, or the next of a gap.
@@ -370,37 +441,85 @@ impl Iterator for Samples {
     }
 }
 
+/// Reads a file of arrays.
+fn load(path: &Path, kind: Kind, map: &ColumnMap) -> Result<(Memory, Layout), LogError> {
+    // MATLAB's v7.3 is HDF5 under another name
+    let kind = if kind == Kind::Mat && is_hdf5(path)? { Kind::Hdf5 } else { kind };
+    match kind {
+        #[cfg(feature = "mat")]
+        Kind::Mat => {
+            mat5::Mat5::open(path).and_then(|(mut file, named)| arrays::load(path, named, &mut file, map))
+        }
+        #[cfg(feature = "hdf5")]
+        Kind::Hdf5 => {
+            hdf5::Hdf5::open(path).and_then(|(mut file, named)| arrays::load(path, named, &mut file, map))
+        }
+        #[cfg(feature = "npz")]
+        Kind::Npz => {
+            npz::Numpy::open_npz(path).and_then(|(mut file, named)| arrays::load(path, named, &mut file, map))
+        }
+        #[cfg(feature = "npz")]
+        Kind::Npy => {
+            npz::Numpy::open_npy(path).and_then(|(mut file, named)| arrays::load(path, named, &mut file, map))
+        }
+        kind => {
+            let (what, feature, or) = match kind {
+                Kind::Hdf5 => ("HDF5, as MATLAB's v7.3 is", "hdf5", "save it in MATLAB with `save -v7`, or"),
+                Kind::Mat => ("MATLAB files", "mat", "or"),
+                _ => ("NumPy files", "npz", "or"),
+            };
+            let help = format!(
+                "`cargo build --release -p sinscal-cli --features {feature}` builds a program that does; {or} write it as CSV or \
+                 Parquet"
+            );
+            Err(LogError::file(path, format!("this build of the program does not read {what}")).help(help))
+        }
+    }
+}
+
+/// Whether a MATLAB file is one of version 7.3.
+fn is_hdf5(path: &Path) -> Result<bool, LogError> {
+    let mut start = Vec::new();
+    let file = std::fs::File::open(path).map_err(|error| unreadable(path, &error))?;
+    io::Read::read_to_end(&mut io::Read::take(file, 16), &mut start)
+        .map_err(|error| unreadable(path, &error))?;
+    Ok(start.starts_with(b"MATLAB 7.3") || start.starts_with(b"\x89HDF"))
+}
+
 /// The table, its kind, and the description of the log called `log`.
 fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
     let ending = log.extension().and_then(|ending| ending.to_str());
-    let stem = match ending {
-        Some("parquet" | "csv" | "toml") => log.with_extension(""),
-        _ => log.to_owned(),
-    };
+    let named = ENDINGS.iter().find(|(known, _)| Some(*known) == ending);
+    let stem =
+        if named.is_some() || ending == Some("toml") { log.with_extension("") } else { log.to_owned() };
     let with = |ending: &str| {
         let mut name = stem.clone().into_os_string();
+        name.push(".");
         name.push(ending);
         PathBuf::from(name)
     };
-    let (parquet, csv, description) = (with(".parquet"), with(".csv"), with(".toml"));
-    let (table, kind) = match ending {
-        Some("parquet") => (parquet, Kind::Parquet),
-        Some("csv") => (csv, Kind::Csv),
-        _ => match (parquet.exists(), csv.exists()) {
-            (true, true) => {
-                let problem = format!("there is both {} and {}", parquet.display(), csv.display());
-                return Err(LogError::file(log, problem).help("name the one to read with its ending"));
-            }
-            (true, false) => (parquet, Kind::Parquet),
-            (false, true) => (csv, Kind::Csv),
-            (false, false) => {
-                let problem = format!("there is neither {} nor {}", parquet.display(), csv.display());
-                let help =
-                    log.is_file().then_some("the ending of a table must be .parquet or .csv".to_owned());
-                return Err(LogError::file(log, problem).help_if(help.filter(|_| ending != Some("toml"))));
-            }
-        },
+    let there =
+        || ENDINGS.iter().map(|(ending, kind)| (with(ending), *kind)).filter(|(path, _)| path.exists());
+    let (table, kind) = match (named, there().next(), there().nth(1)) {
+        (Some((ending, kind)), ..) => (with(ending), *kind),
+        (None, Some((first, _)), Some((second, _))) => {
+            let problem = format!("there is both {} and {}", first.display(), second.display());
+            return Err(LogError::file(log, problem).help("name the one to read with its ending"));
+        }
+        (None, Some(only), None) => only,
+        (None, None, _) => {
+            let problem = format!(
+                "there is neither {} nor {}, nor one that ends in .mat, .h5, .hdf5, .npz or .npy",
+                with("parquet").display(),
+                with("csv").display()
+            );
+            let help = log.is_file().then_some(
+                "the ending of a table must be .parquet, .csv, .mat, .h5, .hdf5, .npz or .npy".to_owned(),
+            );
+            return Err(LogError::file(log, problem).help_if(help.filter(|_| ending != Some("toml"))));
+        }
     };
+    let description = with("toml");
     for (path, what) in [(&table, "table of samples"), (&description, "description of the log")] {
         let metadata = std::fs::metadata(path).map_err(|error| match error.kind() {
             io::ErrorKind::NotFound => LogError::file(path, format!("the {what} is not there")),

@@ -1,9 +1,7 @@
 //! Tables as Parquet files, read column-wise in batches.
 
-use std::cell::Cell;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use arrow_array::cast::AsArray;
@@ -20,8 +18,11 @@ use parquet::arrow::arrow_reader::{
 use parquet::basic::Compression;
 use parquet::file::metadata::ParquetMetaData;
 
-use super::columns::{Batch, Layout, NAMES, Source};
+use super::columns::{Batch, NAMES, Source};
 use super::fault::LogError;
+use super::guard::guarded;
+use super::layout::{Holds, Layout, Variable};
+use super::map::ColumnMap;
 
 /// Rows per batch: large enough for column-wise work, small enough to stay in the cache.
 const ROWS: usize = 4096;
@@ -39,30 +40,23 @@ pub(super) struct ParquetSource {
 
 impl ParquetSource {
     /// Opens a file and checks its columns; also gives the number of rows.
-    pub(super) fn open(path: &Path) -> Result<(Self, Layout, u64), LogError> {
+    pub(super) fn open(path: &Path, map: &ColumnMap) -> Result<(Self, Layout, u64), LogError> {
         let mut file = File::open(path).map_err(|error| super::unreadable(path, &error))?;
         check_magic(path, &mut file)?;
         let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let builder = guarded(|| ParquetRecordBatchReaderBuilder::try_new_with_options(file, options))
             .map_err(|problem| damaged(path, &problem))?;
         let fields = builder.schema().fields();
-        let names: Vec<&str> = fields.iter().map(|field| field.name().as_str()).collect();
-        let layout = Layout::new(path, &names)?;
-        let faults = fields.iter().filter(|field| !is_number(field.data_type()));
-        let faults = faults.map(|field| {
-            let problem = format!("holds {}, numbers were expected", describe(field.data_type()));
-            let times =
-                matches!(field.data_type(), DataType::Timestamp(..) | DataType::Date32 | DataType::Date64);
-            let help = if times { "times are seconds, as numbers" } else { "write it as float64" };
-            LogError::column(path, field.name(), problem).help(help)
+        let variables = fields.iter().map(|field| {
+            let width = if is_number(field.data_type()) { Ok(1) } else { Err(describe(field.data_type())) };
+            Variable { name: field.name().clone(), width }
         });
-        if let Some(fault) = LogError::all(faults.collect()) {
-            return Err(fault);
-        }
+        let layout = Layout::new(path, &variables.collect::<Vec<_>>(), Holds::Columns, map)?;
         check_compression(path, builder.metadata())?;
         let rows = u64::try_from(builder.metadata().file_metadata().num_rows())
             .map_err(|_| damaged(path, "a negative number of rows"))?;
-        let mut columns: Vec<(usize, usize)> = layout.columns().map(|(slot, index)| (index, slot)).collect();
+        let mut columns: Vec<(usize, usize)> =
+            layout.columns().map(|(slot, place)| (place.variable, slot)).collect();
         columns.sort_unstable();
         let mask = ProjectionMask::roots(builder.parquet_schema(), columns.iter().map(|(index, _)| *index));
         let reader = guarded(|| builder.with_projection(mask).with_batch_size(ROWS).build())
@@ -200,26 +194,5 @@ fn numbers(array: &ArrayRef, into: &mut Vec<f64>) -> bool {
         DataType::UInt32 => copy::<UInt32Type>(array, into, f64::from),
         DataType::UInt64 => copy::<UInt64Type>(array, into, |value| value as f64),
         _ => false,
-    }
-}
-
-thread_local! {
-    static DECODING: Cell<bool> = const { Cell::new(false) };
-}
-
-/// Whether this thread is inside the decoder, whose panics are caught and reported as a damaged file.
-pub(crate) fn decoding() -> bool {
-    DECODING.get()
-}
-
-/// Runs the decoder. It checks most of what it reads, but a damaged file may still bring it to panic; the
-/// file is then refused like any other damaged one.
-fn guarded<T, E: std::fmt::Display>(decode: impl FnOnce() -> Result<T, E>) -> Result<T, String> {
-    DECODING.set(true);
-    let result = catch_unwind(AssertUnwindSafe(decode));
-    DECODING.set(false);
-    match result {
-        Ok(result) => result.map_err(|error| error.to_string()),
-        Err(_) => Err("its contents contradict each other".into()),
     }
 }

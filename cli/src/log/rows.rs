@@ -5,15 +5,16 @@ use std::path::PathBuf;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use sinscal::{Reference, Sample};
 
-use super::columns::{Batch, Group, Layout};
+use super::columns::{Batch, Group};
 use super::description::{Description, TEMPERATURES};
 use super::fault::LogError;
+use super::layout::Layout;
 use rig::units::DEG_PER_SQRT_HOUR;
 
 /// A quaternion's norm may differ from 1 by this much; it is normalised then.
 pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
 /// A step longer than this many sampling intervals is a gap.
-const LONGEST_STEP: f64 = 1.5;
+pub(super) const LONGEST_STEP: f64 = 1.5;
 /// Median and mean step may differ from the nominal interval by this fraction.
 const RATE_TOLERANCE: f64 = 0.02;
 /// Fewer steps than this say nothing about the rate.
@@ -138,7 +139,8 @@ impl Checker {
                 "rows {} to {}: the specific force is {mean:.3} m/s^2 on average, about 9.8 was expected",
                 rows.0, rows.1
             );
-            let help = "velocity increments over one interval are expected, in m/s: not forces, and not in g";
+            let help = "velocity increments over one interval are expected, in m/s: not forces, and not in g; --map accel=NAME:m/s^2 reads \
+                        forces";
             return Err(LogError::column(&self.path, &Group::DVEL.names().join("`, `"), problem).help(help));
         }
         Ok(())
@@ -238,9 +240,10 @@ impl Checker {
                     value / self.interval
                 );
                 let help = if unit == "rad/s" {
-                    "degrees taken for radians? Angle increments over one interval are expected, not rates"
+                    "degrees taken for radians? Angle increments over one interval are expected, not rates; --map gyro=NAME:deg/s \
+                     reads rates"
                 } else {
-                    "velocity increments over one interval are expected, not forces; in m/s, not in g"
+                    "velocity increments over one interval are expected, not forces; in m/s, not in g; --map accel=NAME:g reads forces"
                 };
                 let column = group.names().get(axis).copied();
                 return Err(LogError::row(&self.path, self.row, column, problem).help(help));

@@ -5,13 +5,22 @@ use std::path::Path;
 
 use sinscal::Sample;
 
-use super::{Bridged, Log, LogError};
+use super::{Bridged, ColumnMap, LogError};
 use support::{DESCRIPTION, Done, RATE, Table};
 
 #[path = "../../tests/program/support.rs"]
 pub(super) mod support;
 
-fn read(log: &Log) -> Result<(Vec<Sample>, Bridged), LogError> {
+/// Opens a log whose columns go by the names of the format.
+struct Log;
+
+impl Log {
+    fn open(path: &Path) -> Result<super::Log, LogError> {
+        super::Log::open(path, &ColumnMap::default())
+    }
+}
+
+fn read(log: &super::Log) -> Result<(Vec<Sample>, Bridged), LogError> {
     let mut samples = log.samples()?;
     let mut read = Vec::new();
     for sample in samples.by_ref() {

@@ -1,6 +1,6 @@
 //! `sinscal navigate`: free-inertial navigation with a calibration applied.
 
-mod read;
+pub(crate) mod read;
 pub(crate) mod run;
 
 use std::io::{self, Write};
@@ -11,7 +11,7 @@ use miette::{IntoDiagnostic, Result};
 use serde::Serialize;
 
 use self::run::Flight;
-use crate::log::Log;
+use crate::log::{ColumnMap, Log};
 use crate::output;
 use crate::report::inputs::Inputs;
 use crate::report::{Report as Page, Section, Tone, parts};
@@ -24,6 +24,8 @@ pub(crate) const ALIGNMENT: f64 = 900.0;
 pub(crate) struct Arguments {
     /// The log: path of its table or description, with or without ending
     log: PathBuf,
+    #[command(flatten)]
+    columns: ColumnMap,
     /// The calibration to apply: what `calibrate --json` wrote
     #[arg(long, value_name = "FILE")]
     calibration: PathBuf,
@@ -58,8 +60,8 @@ struct Report {
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
-        let calibrated = read::read(&self.calibration)?;
-        let log = Log::open(&self.log)?;
+        let (calibrated, _) = read::read(&self.calibration)?;
+        let log = Log::open(&self.log, &self.columns)?;
         for warning in log.warnings() {
             output::remark(&format!("warning: {warning}"));
         }

@@ -28,8 +28,8 @@ impl FilterVisitor for Known {
     }
 }
 
-/// Reads and checks the calibration in `path`.
-pub(super) fn read(path: &Path) -> Result<Calibrated> {
+/// Reads and checks the calibration in `path`; also gives the document as a whole.
+pub(crate) fn read(path: &Path) -> Result<(Calibrated, Value)> {
     let at = path.display();
     let what = "a calibration is what `sinscal calibrate --json` writes";
     let metadata = std::fs::metadata(path).map_err(|error| miette!("{at}: cannot be read: {error}"))?;
@@ -55,8 +55,8 @@ fn fault(field: impl Into<String>, problem: impl Into<String>, help: impl Into<S
     Fault { field: Some(field.into()), problem: problem.into(), help: help.into() }
 }
 
-/// The calibration in a document.
-pub(super) fn parse(bytes: &[u8]) -> Result<Calibrated, Fault> {
+/// The calibration in a document, and the document.
+pub(super) fn parse(bytes: &[u8]) -> Result<(Calibrated, Value), Fault> {
     let whole = |problem: String| Fault { field: None, problem, help: String::new() };
     let document: Value =
         serde_json::from_slice(bytes).map_err(|error| whole(format!("is not valid JSON: {error}")))?;
@@ -91,7 +91,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Calibrated, Fault> {
         let problem = format!("`{} {}` of {filter} is missing", info.block, info.component);
         return Err(fault("parameters", problem, "every parameter of the filter must be there"));
     }
-    Ok(Calibrated { filter, values })
+    Ok((Calibrated { filter, values }, document))
 }
 
 /// One entry of the list, which comes after `before`.
@@ -183,14 +183,14 @@ mod tests {
 
     #[test]
     fn the_sound_one_is_sound() {
-        assert!(parse(&sound()).is_ok_and(|calibrated| calibrated.values.len() == 34));
+        assert!(parse(&sound()).is_ok_and(|(calibrated, _)| calibrated.values.len() == 34));
     }
 
     proptest! {
         #[test]
         fn fuzz_calibration(damaged in damaged(sound())) {
             match parse(&damaged) {
-                Ok(calibrated) => prop_assert!(calibrated.values.iter().all(|(.., v)| v.is_none_or(f64::is_finite))),
+                Ok((calibrated, _)) => prop_assert!(calibrated.values.iter().all(|(.., v)| v.is_none_or(f64::is_finite))),
                 Err(fault) => prop_assert!(!fault.problem.is_empty()),
             }
         }

@@ -11,7 +11,7 @@ use clap::builder::PossibleValuesParser;
 use miette::{Result, miette};
 use sinscal::FILTERS;
 
-use crate::log::Log;
+use crate::log::{ColumnMap, Log};
 use crate::output;
 use crate::setup;
 
@@ -20,6 +20,8 @@ use crate::setup;
 pub(crate) struct Arguments {
     /// The log: path of its table or description, with or without ending
     log: PathBuf,
+    #[command(flatten)]
+    columns: ColumnMap,
     /// The filter that would be run; `sinscal filters` lists them
     #[arg(long, value_name = "NAME", ignore_case = true,
           value_parser = PossibleValuesParser::new(FILTERS.iter().map(|filter| filter.name)))]
@@ -36,7 +38,7 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
         let filter = setup::filter(&self.filter)?;
-        let log = Log::open(&self.log)?;
+        let log = Log::open(&self.log, &self.columns)?;
         for warning in log.warnings() {
             output::remark(&format!("warning: {warning}"));
         }

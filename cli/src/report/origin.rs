@@ -86,7 +86,8 @@ impl Report {
     }
 }
 
-fn sha256(path: &Path) -> io::Result<String> {
+/// Sum of a file, in hexadecimal.
+pub(crate) fn sha256(path: &Path) -> io::Result<String> {
     let mut file = File::open(path)?;
     let mut sum = Sha256::new();
     let mut buffer = vec![0; 1 << 16];

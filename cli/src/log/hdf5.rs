@@ -1,0 +1,123 @@
+//! HDF5 files: `.h5`, and MATLAB's `save -v7.3`. Datasets in groups go by their path, `imu/gyro`.
+
+use std::path::Path;
+
+use hdf5_reader::group::Group;
+use hdf5_reader::{Dataset, Datatype, H5Type, Hdf5File, OpenOptions};
+
+use super::arrays::{Arrays, LARGEST, MOST_VARIABLES, Named};
+use super::fault::LogError;
+use super::guard::guarded;
+
+/// Groups are not nested deeper.
+const DEEPEST: usize = 8;
+
+/// An HDF5 file, its datasets listed.
+pub(super) struct Hdf5 {
+    datasets: Vec<Option<Dataset>>,
+}
+
+impl Hdf5 {
+    /// Opens a file and lists its datasets.
+    pub(super) fn open(path: &Path) -> Result<(Self, Vec<Named>), LogError> {
+        let options = OpenOptions::default().with_max_read_bytes(LARGEST as usize);
+        let mut found = Vec::new();
+        guarded(|| {
+            let file = Hdf5File::open_with_options(path, options).map_err(|error| error.to_string())?;
+            let root = file.root_group().map_err(|error| error.to_string())?;
+            list(&root, "", 0, &mut found)
+        })
+        .map_err(|problem| {
+            LogError::file(path, format!("is not an HDF5 file, damaged or cut off: {problem}"))
+                .help("h5py, and MATLAB with `save -v7.3`, write what is read here")
+        })?;
+        let (named, datasets) = found.into_iter().unzip();
+        Ok((Self { datasets }, named))
+    }
+}
+
+impl Arrays for Hdf5 {
+    fn read(&mut self, index: usize, each: &mut dyn FnMut(f64) -> bool) -> Result<(), String> {
+        let dataset = self.datasets.get(index).and_then(Option::as_ref).ok_or("it is not there")?;
+        guarded(|| match dataset.dtype() {
+            Datatype::FloatingPoint { size: 8, .. } => numbers::<f64>(dataset, each, |value| value),
+            Datatype::FloatingPoint { size: 4, .. } => numbers::<f32>(dataset, each, f64::from),
+            Datatype::FixedPoint { size: 8, signed: true, .. } => {
+                numbers::<i64>(dataset, each, |value| value as f64)
+            }
+            Datatype::FixedPoint { size: 4, signed: true, .. } => numbers::<i32>(dataset, each, f64::from),
+            Datatype::FixedPoint { size: 2, signed: true, .. } => numbers::<i16>(dataset, each, f64::from),
+            Datatype::FixedPoint { size: 1, signed: true, .. } => numbers::<i8>(dataset, each, f64::from),
+            Datatype::FixedPoint { size: 8, .. } => numbers::<u64>(dataset, each, |value| value as f64),
+            Datatype::FixedPoint { size: 4, .. } => numbers::<u32>(dataset, each, f64::from),
+            Datatype::FixedPoint { size: 2, .. } => numbers::<u16>(dataset, each, f64::from),
+            Datatype::FixedPoint { size: 1, .. } => numbers::<u8>(dataset, each, f64::from),
+            _ => Err("it holds no plain numbers".into()),
+        })
+    }
+}
+
+fn numbers<T: H5Type>(
+    dataset: &Dataset,
+    each: &mut dyn FnMut(f64) -> bool,
+    number: fn(T) -> f64,
+) -> Result<(), String> {
+    let array = dataset.read_array::<T>().map_err(|error| error.to_string())?;
+    let _ = array.into_iter().map(number).all(each);
+    Ok(())
+}
+
+/// Lists the datasets of a group and those below it.
+fn list(
+    group: &Group,
+    prefix: &str,
+    depth: usize,
+    found: &mut Vec<(Named, Option<Dataset>)>,
+) -> Result<(), String> {
+    let (groups, datasets) = group.members().map_err(|error| error.to_string())?;
+    if found.len() + datasets.len() + groups.len() > MOST_VARIABLES || depth > DEEPEST {
+        return Err(format!("it holds more than {MOST_VARIABLES} datasets, or groups deeper than {DEEPEST}"));
+    }
+    for dataset in datasets {
+        let name = format!("{prefix}{}", dataset.name());
+        found.push((Named { name, dims: describe(&dataset) }, Some(dataset)));
+    }
+    for group in groups {
+        // what MATLAB keeps for itself
+        if group.name().starts_with('#') {
+            continue;
+        }
+        let name = format!("{prefix}{}", group.name());
+        let sparse = group.attribute("MATLAB_sparse").is_ok();
+        if sparse {
+            found.push((Named { name, dims: Err("a sparse matrix".into()) }, None));
+        } else {
+            list(&group, &format!("{name}/"), depth + 1, found)?;
+        }
+    }
+    Ok(())
+}
+
+/// The dimensions of a dataset, or what it holds instead of numbers.
+fn describe(dataset: &Dataset) -> Result<Vec<u64>, String> {
+    let class = dataset.attribute("MATLAB_class").and_then(|class| class.read_string()).unwrap_or_default();
+    let holds = match (class.trim_end_matches('\0'), dataset.dtype()) {
+        ("char" | "string", _) | (_, Datatype::String { .. } | Datatype::VarLen { .. }) => "text",
+        ("cell", _) => "cells",
+        ("struct", _) => "a struct",
+        ("logical", _) | (_, Datatype::Enum { .. }) => "true/false values",
+        _ if dataset.attribute("MATLAB_empty").is_ok() => "nothing (it is empty)",
+        (_, Datatype::Compound { fields, .. }) => match fields.len() {
+            2 => "complex values",
+            _ => "a table of named fields: save each field as a dataset",
+        },
+        (
+            _,
+            Datatype::FloatingPoint { size: 4 | 8, .. } | Datatype::FixedPoint { size: 1 | 2 | 4 | 8, .. },
+        ) => {
+            return Ok(dataset.shape().to_vec());
+        }
+        _ => "no numbers",
+    };
+    Err(holds.into())
+}

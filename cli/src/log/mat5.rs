@@ -1,0 +1,270 @@
+//! MATLAB files as `save -v6` and `save -v7` write them (level 5, plain or compressed), and SciPy's `savemat`.
+//!
+//! Written here because the crates that read them stumble over what stands beside the log in a workspace: matfile 0.5 refuses
+//! a file with an int32 variable or an object in it, matrw 0.1 panics on a struct that SciPy wrote, and both unpack without
+//! bound. What a log needs is little: the header of each variable, and the numbers of a few real arrays. Reference: MAT-File
+//! Format, The MathWorks (level 5).
+
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom, Take};
+use std::path::Path;
+
+use flate2::read::ZlibDecoder;
+
+use super::arrays::{Arrays, MOST_VARIABLES, Named};
+use super::fault::LogError;
+
+/// Bytes before the first variable.
+const HEADER: u64 = 128;
+/// No name and no list of dimensions is longer, bytes.
+const LONGEST: u32 = 4096;
+
+const MATRIX: u32 = 14;
+const COMPRESSED: u32 = 15;
+/// Class of an object, whose header has no dimensions.
+const OPAQUE: u32 = 17;
+
+/// A MATLAB file, its variables listed.
+pub(super) struct Mat5 {
+    file: File,
+    big_endian: bool,
+    elements: Vec<Element>,
+}
+
+/// Where a variable stands.
+struct Element {
+    offset: u64,
+    size: u64,
+    compressed: bool,
+}
+
+impl Mat5 {
+    /// Opens a file and lists its variables.
+    pub(super) fn open(path: &Path) -> Result<(Self, Vec<Named>), LogError> {
+        let failed = |error: std::io::Error| super::unreadable(path, &error);
+        let mut file = File::open(path).map_err(failed)?;
+        let length = file.metadata().map_err(failed)?.len();
+        let mut header = [0; HEADER as usize];
+        let whole = file.read_exact(&mut header).is_ok();
+        let big_endian = match (&header[124..126], &header[126..]) {
+            ([0, 1], b"IM") if whole => false,
+            ([1, 0], b"MI") if whole => true,
+            _ => {
+                let problem = "is not a MATLAB file of version 5 to 7.3, or cut off";
+                let help = "write it with `save -v7` in MATLAB, or scipy.io.savemat";
+                return Err(LogError::file(path, problem).help(help));
+            }
+        };
+        let mut mat = Self { file, big_endian, elements: Vec::new() };
+        let mut named = Vec::new();
+        let mut offset = HEADER;
+        while offset < length {
+            let place =
+                format!("the variable after {}", named.last().map_or("the header", |n: &Named| &n.name));
+            let fault = |problem: String| {
+                let help = "write the file again; MATLAB writes what is read here with `save -v7`";
+                LogError::file(path, format!("{place} cannot be read: {problem}")).help(help)
+            };
+            if mat.elements.len() == MOST_VARIABLES {
+                return Err(fault(format!("there are more than {MOST_VARIABLES} variables")));
+            }
+            let element = mat.element(offset, length).map_err(fault)?;
+            offset = element.offset + element.size;
+            mat.elements.push(element);
+            let head = mat.with(mat.elements.len() - 1, |reader| reader.head()).map_err(fault)?;
+            named.push(head.named());
+        }
+        Ok((mat, named))
+    }
+
+    /// The element at an offset, whose tag is whole and which ends within the file.
+    fn element(&mut self, offset: u64, length: u64) -> Result<Element, String> {
+        self.file.seek(SeekFrom::Start(offset)).map_err(|error| error.to_string())?;
+        let mut reader = Reader { bytes: &mut self.file, big_endian: self.big_endian };
+        let tag = reader.tag()?;
+        let (start, size) = (offset + 8, u64::from(tag.size));
+        match tag.kind {
+            _ if tag.small.is_some() || start.saturating_add(size) > length => Err("it is cut off".into()),
+            MATRIX | COMPRESSED => Ok(Element { offset: start, size, compressed: tag.kind == COMPRESSED }),
+            kind => Err(format!("it is of the unknown kind {kind}")),
+        }
+    }
+
+    /// Reads in the contents of a variable, unpacked.
+    fn with<T>(
+        &mut self,
+        index: usize,
+        read: impl FnOnce(&mut Reader<&mut dyn Read>) -> Result<T, String>,
+    ) -> Result<T, String> {
+        let element = self.elements.get(index).ok_or("it is not there")?;
+        self.file.seek(SeekFrom::Start(element.offset)).map_err(|error| error.to_string())?;
+        let bytes: Take<&mut File> = (&mut self.file).take(element.size);
+        let big_endian = self.big_endian;
+        if element.compressed {
+            let mut bytes = BufReader::with_capacity(1 << 16, ZlibDecoder::new(BufReader::new(bytes)));
+            let mut reader = Reader { bytes: &mut bytes as &mut dyn Read, big_endian };
+            match reader.tag()?.kind {
+                MATRIX => read(&mut reader),
+                _ => Err("it holds no variable".into()),
+            }
+        } else {
+            let mut bytes = BufReader::with_capacity(1 << 16, bytes);
+            read(&mut Reader { bytes: &mut bytes as &mut dyn Read, big_endian })
+        }
+    }
+}
+
+impl Arrays for Mat5 {
+    fn read(&mut self, index: usize, each: &mut dyn FnMut(f64) -> bool) -> Result<(), String> {
+        self.with(index, |reader| {
+            reader.head()?;
+            reader.numbers(each)
+        })
+    }
+}
+
+/// What stands before the contents of a variable.
+struct Head {
+    name: String,
+    class: u32,
+    complex: bool,
+    logical: bool,
+    /// Fastest first.
+    dims: Vec<u64>,
+}
+
+impl Head {
+    fn named(self) -> Named {
+        let holds = match self.class {
+            1 => "cells",
+            2 => "a struct",
+            3 | OPAQUE => "an object, such as a table or a datetime",
+            4 => "text",
+            5 => "a sparse matrix",
+            6..=15 if self.complex => "complex values",
+            6..=15 if self.logical => "true/false values",
+            6..=15 => return Named { name: self.name, dims: Ok(self.dims.into_iter().rev().collect()) },
+            _ => "no array",
+        };
+        Named { name: self.name, dims: Err(holds.into()) }
+    }
+}
+
+/// The beginning of an element; up to four bytes of contents may stand in it.
+struct Tag {
+    kind: u32,
+    size: u32,
+    small: Option<[u8; 4]>,
+}
+
+/// Reads elements.
+struct Reader<R> {
+    bytes: R,
+    big_endian: bool,
+}
+
+impl<R: Read> Reader<R> {
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], String> {
+        let mut bytes = [0; N];
+        self.bytes.read_exact(&mut bytes).map_err(|error| match error.kind() {
+            std::io::ErrorKind::UnexpectedEof => "it is cut off".to_owned(),
+            _ => error.to_string(),
+        })?;
+        Ok(bytes)
+    }
+
+    fn u32(&self, bytes: [u8; 4]) -> u32 {
+        if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
+    }
+
+    fn tag(&mut self) -> Result<Tag, String> {
+        let first = self.bytes()?;
+        let second = self.bytes()?;
+        let (kind, size) = (self.u32(first), self.u32(second));
+        Ok(match kind >> 16 {
+            0 => Tag { kind, size, small: None },
+            size => Tag { kind: kind & 0xffff, size, small: Some(second) },
+        })
+    }
+
+    /// The contents of a short element of one of these kinds.
+    fn short(&mut self, kinds: &[u32]) -> Result<Vec<u8>, String> {
+        let tag = self.tag()?;
+        if !kinds.contains(&tag.kind) || tag.size > if tag.small.is_some() { 4 } else { LONGEST } {
+            return Err("its header is damaged".into());
+        }
+        let size = tag.size as usize;
+        if let Some(small) = tag.small {
+            return Ok(small.into_iter().take(size).collect());
+        }
+        let mut contents = vec![0; size.next_multiple_of(8)];
+        self.bytes.read_exact(&mut contents).map_err(|_| "it is cut off")?;
+        contents.truncate(size);
+        Ok(contents)
+    }
+
+    fn head(&mut self) -> Result<Head, String> {
+        let flags = self.short(&[6])?;
+        let Some(flags) = flags.first_chunk().map(|flags| self.u32(*flags)) else {
+            return Err("its header is damaged".into());
+        };
+        let class = flags & 0xff;
+        // kinds of signed and unsigned integers, of text in bytes and in UTF-8
+        let dims = if class == OPAQUE { Vec::new() } else { self.short(&[5, 6])? };
+        let name = self.short(&[1, 2, 16])?;
+        Ok(Head {
+            name: String::from_utf8_lossy(&name).into_owned(),
+            class,
+            complex: flags & 0x800 != 0,
+            logical: flags & 0x200 != 0,
+            dims: dims.as_chunks().0.iter().map(|dim| u64::from(self.u32(*dim))).collect(),
+        })
+    }
+
+    /// The numbers of an array; MATLAB stores each array in the smallest type that holds its numbers.
+    fn numbers(&mut self, each: &mut dyn FnMut(f64) -> bool) -> Result<(), String> {
+        let tag = self.tag()?;
+        macro_rules! numbers {
+            ($kind:ty) => {
+                self.all::<{ size_of::<$kind>() }>(&tag, each, |bytes, big_endian| {
+                    (if big_endian { <$kind>::from_be_bytes(bytes) } else { <$kind>::from_le_bytes(bytes) })
+                        as f64
+                })
+            };
+        }
+        match tag.kind {
+            1 => numbers!(i8),
+            2 => numbers!(u8),
+            3 => numbers!(i16),
+            4 => numbers!(u16),
+            5 => numbers!(i32),
+            6 => numbers!(u32),
+            7 => numbers!(f32),
+            9 => numbers!(f64),
+            12 => numbers!(i64),
+            13 => numbers!(u64),
+            _ => Err("its numbers are of an unknown kind".into()),
+        }
+    }
+
+    fn all<const N: usize>(
+        &mut self,
+        tag: &Tag,
+        each: &mut dyn FnMut(f64) -> bool,
+        number: fn([u8; N], bool) -> f64,
+    ) -> Result<(), String> {
+        if let Some(small) = tag.small {
+            let small = small.get(..tag.size as usize).ok_or("its header is damaged")?;
+            let mut numbers = small.as_chunks().0.iter().map(|bytes| number(*bytes, self.big_endian));
+            let _ = numbers.all(each);
+            return Ok(());
+        }
+        for _ in 0..tag.size as usize / N {
+            let bytes = self.bytes()?;
+            if !each(number(bytes, self.big_endian)) {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
