@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use calib_core::{Conventional, Form, Ud};
-use case::{Case, F, N, S, case, check, cycle, interval, point, signals};
+use case::{Case, F, N, S, case, check, cycle, factors, interval, point, signals};
 use criterion::{BatchSize, Criterion};
 use nalgebra::{DMatrix, SMatrix};
 
@@ -86,24 +86,6 @@ impl Bench {
         }
         println!("{name:40} {:8.3} us", least.as_secs_f64() * 1e6 / f64::from(times));
     }
-}
-
-/// U and D of a covariance, as the UD form stores them.
-fn factors(p: &[[f64; N]; N]) -> [[f64; N]; N] {
-    let (mut rest, mut ud) = (*p, [[0.0; N]; N]);
-    for j in (0..N).rev() {
-        let d = rest[j][j];
-        ud[j][j] = d;
-        for i in 0..j {
-            ud[j][i] = rest[j][i] / d;
-        }
-        for i in 0..j {
-            for k in 0..j {
-                rest[i][k] -= ud[j][i] * ud[j][k] * d;
-            }
-        }
-    }
-    ud
 }
 
 fn forms(bench: &mut Bench) {

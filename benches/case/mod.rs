@@ -95,6 +95,24 @@ pub(crate) fn cycle<C: Form>(case: &Case, p: &mut [[f64; N]; N]) -> f64 {
     C::update::<S, f64>(p, &mut x, &case.h, &case.r, &case.z).map_or(f64::NAN, |whitened| x[0] + whitened.nis)
 }
 
+/// U and D of a covariance, as the UD form stores them.
+pub(crate) fn factors(p: &[[f64; N]; N]) -> [[f64; N]; N] {
+    let (mut rest, mut ud) = (*p, [[0.0; N]; N]);
+    for j in (0..N).rev() {
+        let d = rest[j][j];
+        ud[j][j] = d;
+        for i in 0..j {
+            ud[j][i] = rest[j][i] / d;
+        }
+        for i in 0..j {
+            for k in 0..j {
+                rest[i][k] -= ud[j][i] * ud[j][k] * d;
+            }
+        }
+    }
+    ud
+}
+
 /// Asserts that a peer has the covariance that is wanted, each entry relative to its standard deviations.
 pub(crate) fn check(name: &str, got: impl Fn(usize, usize) -> f64, want: &[[f64; N]; N]) {
     for i in 0..N {

@@ -63,10 +63,10 @@ macro_rules! on_this_machine {
                         $call
                     },
                 ),
-                None => {
+                None => $crate::machine::apart(|| {
                     let $machine = $crate::machine::Portable;
                     $call
-                }
+                }),
             }
         }
         #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
@@ -77,6 +77,13 @@ macro_rules! on_this_machine {
     }};
 }
 pub(crate) use on_this_machine;
+
+/// Calls `kernel` in a stack frame of its own: that of the kernel which is not taken would stand beside the other's.
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[inline(never)]
+pub(crate) fn apart<R>(kernel: impl FnOnce() -> R) -> R {
+    kernel()
+}
 
 #[cfg(all(test, feature = "std", target_arch = "x86_64"))]
 mod tests {

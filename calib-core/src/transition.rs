@@ -65,7 +65,6 @@ impl<F: Filter, T: Real> Transition<F, T> {
     pub fn advance(&mut self, at: &<F::Dynamics as Dynamics>::Point<T>, dt: T) {
         let mut a = F::Shape::core_matrix(T::zero());
         F::Dynamics::core_jacobian(at, &mut |i, j, value| a[i][j] += value * dt);
-        let a = Sparse::<F::Shape, T>::of(&a);
         on_this_machine!(machine => advance::<F::Shape, T, _>(machine, &a, &mut self.rows, &mut self.drive));
         self.elapsed += dt;
     }
@@ -109,8 +108,8 @@ struct Sparse<S: Shape, T: Real> {
 impl<S: Shape, T: Real> Sparse<S, T> {
     #[inline(always)]
     fn of(a: &S::CoreMatrix<T>) -> Self {
-        let mut sparse =
-            Self { entries: Array::from_fn(|| S::core_vector((0, T::zero()))), counts: S::core_vector(0) };
+        let none = S::core_vector((0, T::zero()));
+        let mut sparse = Self { entries: Array::from_fn(|| none.clone()), counts: S::core_vector(0) };
         for i in 0..S::CORE {
             let entries = &mut sparse.entries[i];
             let mut count = 0;
@@ -147,10 +146,11 @@ impl<S: Shape, T: Real> Sparse<S, T> {
 #[inline(always)]
 fn advance<S: Shape, T: Real, M: Machine>(
     machine: M,
-    a: &Sparse<S, T>,
+    a: &S::CoreMatrix<T>,
     rows: &mut S::CoreRows<T>,
     drive: &mut S::CoreRows<T>,
 ) {
+    let a = &Sparse::<S, T>::of(a);
     let mut done = 0;
     while done < S::STATES {
         if S::STATES >= WIDTH {

@@ -76,32 +76,38 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
     noise: &S::CoreMatrix<T>,
 ) {
     let mut d = take_weights::<S, T>(cov);
-    let mut across: S::Vector<S::CoreVector<T>> = Array::from_fn(|| S::core_vector(T::zero()));
+    let zero = S::core_vector(T::zero());
+    let mut across: S::Vector<S::CoreVector<T>> = Array::from_fn(|| zero.clone());
     for j in 0..S::STATES {
         for i in 0..S::CORE {
             across[j][i] = rows[i][j];
         }
     }
-    // columns of [Phi Psi] U, the leading part of them
-    let mut moved: S::Vector<S::CoreVector<T>> = Array::from_fn(|| S::core_vector(T::zero()));
-    let mut put = |j: usize, first: usize, values: &[T]| {
-        moved[j].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
-    };
+    // columns of [Phi Psi] U, the leading part of them: those of the parameters go where they belong
+    let mut moved = S::core_matrix(T::zero());
     for j in (0..S::STATES).step_by(COLUMNS) {
         let last = S::STATES.min(j + COLUMNS);
+        let mut columns: [S::CoreVector<T>; COLUMNS] = core::array::from_fn(|_| S::core_vector(T::zero()));
         let left = |r: usize, k: usize| cov[j + r][k];
-        let mut put = |r: usize, first: usize, values: &[T]| put(j + r, first, values);
+        let mut put = |r: usize, first: usize, values: &[T]| {
+            columns[r].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
+        };
         let size = (last - j, S::CORE);
         if M::WIDE {
             blocks::<M, T, _, COLUMNS, 8, false>(size, &left, across.as_slice(), &(0..last), &mut put);
         } else {
             blocks::<M, T, _, 2, 8, false>(size, &left, across.as_slice(), &(0..last), &mut put);
         }
+        for j in j..last {
+            let column = &columns[j % COLUMNS];
+            if j < S::CORE {
+                moved[j].clone_from(column);
+            } else {
+                cov[j].as_mut_slice()[..S::CORE].copy_from_slice(column.as_slice());
+            }
+        }
     }
-    for j in S::CORE..S::STATES {
-        cov[j].as_mut_slice()[..S::CORE].copy_from_slice(moved[j].as_slice());
-    }
-    orthogonalise::<S, T, M>(machine, cov, &mut d, &mut moved.as_mut_slice()[..S::CORE], noise);
+    orthogonalise::<S, T, M>(machine, cov, &mut d, moved.as_mut_slice(), noise);
     for j in 0..S::STATES {
         cov[j][j] = d[j];
     }
@@ -279,7 +285,8 @@ fn turn<S: Shape, T: Real, M: Machine, const R: usize>(
     v: &S::Vector<[T; 4]>,
     pulls: &S::Vector<[T; 4]>,
 ) -> [S::Vector<T>; R] {
-    let mut gains: [_; R] = core::array::from_fn(|_| S::vector(T::zero()));
+    let none = S::vector(T::zero());
+    let mut gains: [_; R] = core::array::from_fn(|_| none.clone());
     let whole = S::STATES / ROWS * ROWS;
     for i in (0..whole).step_by(ROWS) {
         turn_rows::<S, T, M, R, ROWS>(cov, &mut gains, i, v, pulls);
