@@ -11,10 +11,11 @@ use crate::verify::{Verification, held_out, verify};
 const CONFIRMED: f64 = 2.995_732_273_553_991;
 /// Where something remains unexplained, a named effect must outweigh it by this factor.
 const OUTWEIGHS: f64 = 5.0;
-/// ...and must keep this part of its gain when what remains is explained.
-const KEPT: f64 = 0.5;
 /// ...and must carry this part of what the whole set gains.
 const SHARE: f64 = 0.01;
+/// What carries less than this part of the gain is never named beside the rest: a large effect that the inputs show to a hundredth,
+/// say by a temperature that is read late, leaves as much behind.
+const TRACE: f64 = 1e-4;
 
 /// What passes its threshold by less than three decades may be chance; where the second log is silent, it is.
 const WEAK: f64 = 6.907_755_278_982_137;
@@ -211,7 +212,7 @@ fn nothing_named(first: &Scene, mut found: Search, loud: Vec<(usize, crate::pric
 }
 
 /// Takes out members that data not used for their estimate do not speak for, while what is left stays adequate; where no
-/// set is adequate, also members that carry next to nothing.
+/// set is adequate, also members that carry next to nothing; and traces always.
 fn strip(
     first: &Scene,
     second: Option<&Scene>,
@@ -235,14 +236,15 @@ fn strip(
                 best.gain - first.prices.gain(&others)
             })
             .collect();
+        let is_trace = |i: usize| gains[i] < TRACE * best.gain;
         let weak = (0..best.groups.len())
-            .filter(|i| each[*i] < CONFIRMED || !adequate && gains[*i] < SHARE * best.gain)
+            .filter(|i| each[*i] < CONFIRMED || is_trace(*i) || !adequate && gains[*i] < SHARE * best.gain)
             .min_by(|a, b| gains[*a].total_cmp(&gains[*b]));
         let Some(weak) = weak else { break };
         let mut groups = best.groups.clone();
         let out = groups.remove(weak);
         let rest = Tried::new(&first.prices, groups, among);
-        if adequate && !rest.is_adequate(threshold - MARGIN) {
+        if adequate && !is_trace(weak) && !rest.is_adequate(threshold - MARGIN) {
             break;
         }
         stripped.push(out);
@@ -363,8 +365,7 @@ fn outweighs(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decisio
         .fold(0.0, f64::max);
     let families = open
         .map_or(0.0, |o| decision.correlates.iter().map(|g| o.gain_on(*g, &best.groups)).fold(0.0, f64::max));
-    let kept = open
-        .map_or(1.0, |o| decision.correlates.iter().map(|g| o.kept(*g, &best.groups)).fold(1.0, f64::min));
+    let stand = open.is_none_or(|o| decision.correlates.iter().all(|g| o.stand(*g, &best.groups)));
     let there = second.is_none() || decision.each.iter().all(|e| *e > 10.0 * CONFIRMED);
-    least > OUTWEIGHS * library.max(families) && kept > KEPT && there
+    least > OUTWEIGHS * library.max(families) && stand && there
 }

@@ -146,6 +146,13 @@ pub(crate) fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnc
     })
 }
 
+/// Whether two logs are one and the same.
+fn is_same(one: &Log, other: &Log) -> bool {
+    let measured = |log: &Log, i: usize| (log.samples[i].dtheta, log.samples[i].dvel);
+    one.samples.len() == other.samples.len()
+        && (0..one.samples.len()).all(|i| measured(one, i) == measured(other, i))
+}
+
 fn workflow(
     machine: &dyn Machine,
     log: &Log,
@@ -153,6 +160,8 @@ fn workflow(
     options: &Options,
     progress: &mut dyn FnMut(&'static str, f64),
 ) -> Result<Diagnosis, Error> {
+    let same = verify.is_some_and(|v| is_same(log, v));
+    let verify = verify.filter(|_| !same);
     progress("running the filter with every effect", 0.0);
     let (second, first) = both(|| verify.map(|v| Scene::new(machine, v)), || Scene::new(machine, log));
     let first = first.map_err(|e| Error::of(FIRST, e))?;
@@ -170,6 +179,9 @@ fn workflow(
     if options.rerun && !decision.best.groups.is_empty() {
         progress("running the filter with what was found", 0.7);
         rerun(machine, log, verify, (&first, second.as_ref()), &decision, &mut d)?;
+    }
+    if same {
+        d.notes.push("the second log is the first one again, and confirms nothing: it was left out".into());
     }
     d.sentence = say::sentence(&d, decision.best.gain, decision.reason.as_deref());
     progress("done", 1.0);

@@ -15,6 +15,11 @@ const RANDOM_WALK: &str = "random walk of the bias";
 /// A walk is one bias in each of so many parts of the log.
 const PARTS: usize = 8;
 
+/// A named effect must keep this part of its gain when a family joins...
+const KEPT: f64 = 0.5;
+/// ...or keep so many times what the family adds.
+const FAR_MORE: f64 = 100.0;
+
 /// A stretch of the log in which the bias of a triad is another.
 #[derive(Clone, Debug)]
 pub(crate) struct Burst {
@@ -214,9 +219,11 @@ impl Open {
         self.prices.gain(&with) - self.prices.gain(&mapped)
     }
 
-    /// The part of each member's gain that it keeps when family `g` joins the set.
-    pub(crate) fn kept(&self, g: usize, named: &[usize]) -> f64 {
+    /// Whether each member of a set stays what it is when family `g` joins: it keeps half of its gain, or what it keeps is far more
+    /// than what the family has to add.
+    pub(crate) fn stand(&self, g: usize, named: &[usize]) -> bool {
         let mapped = self.mapped(named);
+        let added = self.gain_on(g, named).max(1.0);
         let gain_of = |without: usize, with_family: bool| {
             let mut all = mapped.clone();
             if with_family {
@@ -225,7 +232,10 @@ impl Open {
             let others: Vec<usize> = all.iter().copied().filter(|o| *o != without).collect();
             self.prices.gain(&all) - self.prices.gain(&others)
         };
-        mapped.iter().map(|m| gain_of(*m, true) / gain_of(*m, false).max(1e-9)).fold(f64::INFINITY, f64::min)
+        mapped.iter().all(|m| {
+            let kept = gain_of(*m, true);
+            kept > KEPT * gain_of(*m, false) || kept > FAR_MORE * added
+        })
     }
 
     /// Families that explain what `named` explains: within 10 of its BIC, and leaving nothing for it to add; each with how far
