@@ -12,6 +12,7 @@ mod fields;
 pub(crate) mod fuzz;
 mod parquet;
 mod rows;
+mod still;
 #[cfg(test)]
 mod tests;
 
@@ -24,6 +25,7 @@ use self::columns::{Batch, Group, Layout, Source};
 use self::csv::CsvSource;
 use self::parquet::ParquetSource;
 use self::rows::{Checker, Row};
+use self::still::Stillness;
 
 pub(crate) use self::description::Description;
 pub(crate) use self::fault::LogError;
@@ -168,6 +170,15 @@ impl Log {
         };
         Ok(Samples {
             checker: Checker::new(self.table.clone(), &self.description, &layout),
+            stillness: Stillness::new(
+                &self.table,
+                &self.description,
+                [
+                    if layout.has(Group::GYRO_PULSE) { Group::GYRO_PULSE } else { Group::DTHETA },
+                    if layout.has(Group::ACCEL_PULSE) { Group::ACCEL_PULSE } else { Group::DVEL },
+                ],
+                self.unknown == UnknownPulses::default(),
+            ),
             source,
             batch: Batch::new(),
             next: 0,
@@ -198,6 +209,7 @@ pub(crate) struct Bridged {
 pub(crate) struct Samples {
     source: Box<dyn Source>,
     checker: Checker,
+    stillness: Stillness,
     batch: Batch,
     /// Next row of the batch.
     next: usize,
@@ -344,6 +356,10 @@ impl Iterator for Samples {
         }
         match self.sample() {
             Ok(Some(mut sample)) => {
+                if let Err(fault) = self.stillness.push(&sample) {
+                    self.ended = true;
+                    return Some(Err(fault));
+                }
                 let before = self.last.replace(sample).map(|last| last.time);
                 if let Some(coarse) = &self.coarse {
                     let dt = before.map_or(self.interval, |before| sample.time - before);
@@ -353,7 +369,14 @@ impl Iterator for Samples {
             }
             Ok(None) => {
                 self.ended = true;
-                None
+                if self.rows == 1 {
+                    let fault =
+                        LogError::file(&self.table, "has a single row: nothing can be estimated from it");
+                    return Some(Err(
+                        fault.help("some minutes are expected, at rest in several positions and turning")
+                    ));
+                }
+                self.stillness.judge().err().map(Err)
             }
             Err(fault) => {
                 self.ended = true;
@@ -379,7 +402,7 @@ fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
     let (table, kind) = match ending {
         Some("parquet") => (parquet, Kind::Parquet),
         Some("csv") => (csv, Kind::Csv),
-        _ => match (parquet.exists(), csv.exists()) {
+        _ => match (there(&parquet), there(&csv)) {
             (true, true) => {
                 let problem = format!("there is both {} and {}", parquet.display(), csv.display());
                 return Err(LogError::file(log, problem).help("name the one to read with its ending"));
@@ -396,6 +419,9 @@ fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
     };
     for (path, what) in [(&table, "table of samples"), (&description, "description of the log")] {
         let metadata = std::fs::metadata(path).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound if path.is_symlink() => {
+                LogError::file(path, format!("is a link to nothing: the {what} was expected"))
+            }
             io::ErrorKind::NotFound => LogError::file(path, format!("the {what} is not there")),
             _ => unreadable(path, &error),
         })?;
@@ -404,6 +430,11 @@ fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
         }
     }
     Ok((table, kind, description))
+}
+
+/// Whether there is something by this name, were it a link to nothing.
+fn there(path: &Path) -> bool {
+    path.exists() || path.is_symlink()
 }
 
 /// An error of the operating system with the file it is about.
