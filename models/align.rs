@@ -130,6 +130,13 @@ impl Aligner {
         !self.moved
     }
 
+    /// Length (s) of the still stretch so far, mean angular rate (rad/s) and specific force (m/s^2) in it, in b; nothing while
+    /// it is shorter than five seconds.
+    pub fn still(&self) -> Option<(f64, Vector3<f64>, Vector3<f64>)> {
+        let Sums { dtheta, dvel, time } = self.total;
+        (time >= SHORTEST).then(|| (time, dtheta / time, dvel / time))
+    }
+
     /// The attitude during the still stretch, with its uncertainty.
     ///
     /// # Errors

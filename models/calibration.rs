@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use crate::compensation::Compensator;
 use crate::gate::{Gate, Verdict};
 use crate::outcome::{Diverged, Parameter, Statistics, Update};
-use crate::strapdown::{Increments, NavigationState};
+use crate::strapdown::{Before, Increments, NavigationState};
 use crate::{Event, Observer, Point, Reference, Refusal, Sample, Setup, Signals, Strapdown, earth};
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
@@ -50,7 +50,7 @@ pub struct Calibration<F: Filter<Dynamics = Strapdown>, C: Form = Conventional> 
     pilot: Option<Kalman<F, f64, C>>,
     compensator: Compensator,
     navigation: NavigationState<f64>,
-    previous: Increments<f64>,
+    before: Before<f64>,
     previous_rate: Vector3<f64>,
     time: Option<f64>,
     next_update: f64,
@@ -149,7 +149,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             pilot: None,
             compensator: Compensator::new(setup.reference_temperature),
             navigation: NavigationState::at_rest(&setup.site, setup.initial.attitude),
-            previous: Increments::zero(),
+            before: Before::nothing(),
             previous_rate: Vector3::zeros(),
             time: None,
             next_update: f64::NEG_INFINITY,
@@ -184,7 +184,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         self.transition.reset();
         self.compensator = Compensator::new(self.setup.reference_temperature);
         self.navigation = NavigationState::at_rest(&self.setup.site, self.setup.initial.attitude);
-        self.previous = Increments::zero();
+        self.before = Before::nothing();
         self.time = None;
         self.next_update = f64::NEG_INFINITY;
         self.step = Step::EMPTY;
@@ -238,9 +238,9 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             self.navigate(&now, &signals, dt);
         } else {
             self.begin(sample);
+            self.before.follow(&now);
         }
         self.time = Some(sample.time);
-        self.previous = now;
         self.previous_rate = signals.rate;
 
         let wanted = sample.time >= self.next_update;
@@ -271,10 +271,12 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         // C_bn in the middle of the interval
         let c = self.navigation.c_bn();
         let middle = c + c * now.dtheta.cross_matrix() * 0.5;
-        self.navigation.step(now, &self.previous, dt);
+        self.navigation.step(now, &mut self.before, dt);
         self.step.velocity_n += middle * now.dvel;
         self.step.elapsed += dt;
-        self.step.turned += now.dtheta.norm();
+        let turn = now.dtheta.norm();
+        self.step.turned += turn;
+        self.statistics.largest_turn = self.statistics.largest_turn.max(turn);
         // how sensor errors enter depends on the attitude; the rest of the point is needed once a step
         self.at.c_bn = middle;
         self.transition.absorb(&self.at, signals, dt);

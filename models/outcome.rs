@@ -47,6 +47,8 @@ pub struct Statistics {
     pub repeated: usize,
     /// Times at which a reference that had been refused for long was taken to begin anew.
     pub reopened: usize,
+    /// Largest angle that the unit turned by from one sample to the next, rad.
+    pub largest_turn: f64,
 }
 
 impl Statistics {

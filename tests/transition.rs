@@ -5,7 +5,7 @@ mod common;
 use calib_core::{Filter, Shape};
 use common::{Numbers, setup, signals};
 use nalgebra::{UnitQuaternion, Vector3};
-use sinscal::strapdown::{Increments, NavigationState};
+use sinscal::strapdown::{Before, Increments, NavigationState};
 use sinscal::{Point, Sins43B, Strapdown, Transition, earth, input_errors};
 
 const RATE: f64 = 200.0;
@@ -21,7 +21,7 @@ fn run(
     mut each: impl FnMut(usize, &NavigationState<f64>),
 ) -> NavigationState<f64> {
     let mut state = *start;
-    let mut previous = Increments::zero();
+    let mut before = Before::nothing();
     let dt = 1.0 / RATE;
     for k in 0..(SECONDS * RATE) as usize {
         // increments by Simpson's rule of true signal and error
@@ -33,11 +33,10 @@ fn run(
             now.dvel += (s.force + force) * (weight * dt);
         }
         if k == 0 {
-            previous = now;
+            before.follow(&now);
         }
         each(k, &state);
-        state.step(&now, &previous, dt);
-        previous = now;
+        state.step(&now, &mut before, dt);
     }
     state
 }

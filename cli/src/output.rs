@@ -10,12 +10,19 @@ use tempfile::NamedTempFile;
 /// How the name of a file that is not whole yet begins and ends.
 const PART: (&str, &str) = (".sinscal-", ".part");
 
-/// Takes away what programs that were killed left in a folder that nobody else writes to.
+/// Takes away what programs that were killed left in a folder. Whoever is at work on a file holds its lock.
 pub(crate) fn sweep(folder: &Path) {
+    // nobody begins a file meanwhile
+    let Ok(alone) = File::open(folder) else { return };
+    if alone.try_lock().is_err() {
+        return;
+    }
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let left = name.to_str().is_some_and(|name| name.starts_with(PART.0) && name.ends_with(PART.1));
-        if left {
+        let abandoned =
+            |path: &Path| File::options().write(true).open(path)?.try_lock().map_err(io::Error::from);
+        if left && abandoned(&entry.path()).is_ok() {
             // what cannot be removed does no harm
             let _ = fs::remove_file(entry.path());
         }
@@ -38,7 +45,7 @@ pub(crate) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Refuses a file that could not be written at the end of a long run.
+/// Refuses a file that could not be written at the end of a long run; takes away what killed programs left beside it.
 pub(crate) fn check_file(path: &Path) -> Result<()> {
     if path.is_dir() {
         return Err(miette!("{}: is a folder, a file was expected", path.display()));
@@ -47,6 +54,7 @@ pub(crate) fn check_file(path: &Path) -> Result<()> {
     if !folder.is_dir() {
         return Err(miette!("{}: the folder {} is not there", path.display(), folder.display()));
     }
+    sweep(folder);
     Ok(())
 }
 
@@ -71,7 +79,7 @@ pub(crate) struct Files {
 }
 
 impl Files {
-    /// Makes a folder and those above it, where missing.
+    /// Makes a folder and those above it, where missing, and takes away what killed programs left there.
     pub(crate) fn folder(&mut self, path: &Path) -> Result<()> {
         let missing: Vec<&Path> = path
             .ancestors()
@@ -85,6 +93,7 @@ impl Files {
                 Err(error) => return Err(failed(folder, &error)),
             }
         }
+        sweep(path);
         Ok(())
     }
 
@@ -107,7 +116,12 @@ impl Files {
             // What a file gets that is simply created: the umask still applies.
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
-        let mut file = builder.tempfile_in(folder_of(path)).map_err(|error| failed(path, &error))?;
+        let folder = folder_of(path);
+        let beginning = File::open(folder).and_then(|folder| folder.lock_shared().map(|()| folder));
+        let mut file = builder.tempfile_in(folder).map_err(|error| failed(path, &error))?;
+        // what cannot be locked is not swept either
+        let _ = file.as_file().lock();
+        drop(beginning);
         let mut buffered = io::BufWriter::new(file.as_file_mut());
         fill(&mut buffered).and_then(|()| buffered.flush()).map_err(|error| failed(path, &error))?;
         drop(buffered);

@@ -27,11 +27,7 @@ pub(crate) fn initial(log: &Log) -> Result<InitialAttitude> {
     if let Some(initial) = description.initial {
         return Ok(initial);
     }
-    let prior = |name: &str| {
-        let given = description.priors.iter().find(|(effect, _)| *effect == name).map(|(_, sigma)| *sigma);
-        given.or_else(|| sinscal::effect(name).map(|effect| effect.prior_sigma)).unwrap_or(f64::INFINITY)
-    };
-    let (gyro, accel) = (prior("gyro-bias"), prior("accel-bias"));
+    let (gyro, accel) = (description.prior("gyro-bias"), description.prior("accel-bias"));
     let mut aligner = Aligner::new(description.site, description.rate, description.noise, gyro, accel);
     for sample in log.samples()? {
         if !aligner.push(&sample?) {

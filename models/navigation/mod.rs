@@ -23,7 +23,7 @@ use calib_core::{Filter, Shape, Vector};
 use nalgebra::{ComplexField, Vector3};
 
 use crate::compensation::Compensator;
-use crate::strapdown::{Increments, NavigationState};
+use crate::strapdown::{Before, NavigationState};
 #[cfg(feature = "std")]
 use crate::{Calibration, Diverged, Smoother};
 use crate::{Sample, Setup, Site, StateInfo, Strapdown};
@@ -108,7 +108,7 @@ pub struct FreeInertial<F: Filter<Dynamics = Strapdown>> {
     lever: Vector3<f64>,
     compensator: Compensator,
     navigation: NavigationState<f64>,
-    previous: Increments<f64>,
+    before: Before<f64>,
     nominal: f64,
     start: f64,
     begun: f64,
@@ -136,7 +136,7 @@ impl<F: Filter<Dynamics = Strapdown>> FreeInertial<F> {
             lever,
             compensator: Compensator::new(setup.reference_temperature),
             navigation: NavigationState::at_rest(&setup.site, setup.initial.attitude),
-            previous: Increments::zero(),
+            before: Before::nothing(),
             nominal: 1.0 / setup.rate,
             start: f64::NEG_INFINITY,
             begun: f64::NAN,
@@ -164,11 +164,12 @@ impl<F: Filter<Dynamics = Strapdown>> FreeInertial<F> {
         let (now, _) = self.compensator.compensate::<F>(sample, dt, &self.parameters);
         if sample.time > self.start {
             let height = self.navigation.height;
-            self.navigation.step(&now, &self.previous, dt);
+            self.navigation.step(&now, &mut self.before, dt);
             self.navigation.height = height;
             self.navigation.velocity.z = 0.0;
+        } else {
+            self.before.follow(&now);
         }
-        self.previous = now;
         if sample.time < self.start || sample.time < self.next {
             return None;
         }

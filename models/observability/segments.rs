@@ -4,7 +4,7 @@ use calib_core::Shape;
 use nalgebra::{ComplexField, UnitQuaternion, Vector3};
 
 use crate::compensation::Compensator;
-use crate::strapdown::{Increments, NavigationState};
+use crate::strapdown::{Before, NavigationState};
 use crate::{Filter, Point, Sample, Setup, Signals, Sins43B, Site, earth};
 
 /// Motion is judged over blocks of this length, s.
@@ -45,7 +45,7 @@ pub struct Segmenter {
     rate: f64,
     compensator: Compensator,
     navigation: NavigationState<f64>,
-    previous: Increments<f64>,
+    before: Before<f64>,
     time: Option<f64>,
     block: Sums,
     piece: Option<(bool, Sums)>,
@@ -140,7 +140,7 @@ impl Segmenter {
             rate: setup.rate,
             compensator: Compensator::new(setup.reference_temperature),
             navigation: NavigationState::at_rest(&setup.site, setup.initial.attitude),
-            previous: Increments::zero(),
+            before: Before::nothing(),
             time: None,
             block: Sums::at(0.0, setup.initial.attitude),
             piece: None,
@@ -160,8 +160,7 @@ impl Segmenter {
         let none = <Sins43B as Filter>::Shape::vector(0.0);
         let (now, signals) = self.compensator.compensate::<Sins43B>(sample, dt, &none);
         // the attitude alone moves: the unit stays where it is
-        self.navigation.step(&now, &self.previous, dt);
-        self.previous = now;
+        self.navigation.step(&now, &mut self.before, dt);
         let attitude = sample.reference.attitude.unwrap_or(self.navigation.attitude);
         self.navigation = NavigationState::at_rest(&self.site, attitude);
         self.block.add(&signals, attitude, dt);

@@ -13,6 +13,7 @@ use std::time::Instant;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use miette::{Result, miette};
+use rig::units::DEGREE;
 use sinscal::{Coarse, FILTERS, Parameter, UnknownPulses};
 
 use crate::log::{ColumnMap, Log};
@@ -76,6 +77,10 @@ impl Form {
 /// So many prior sigmas from zero the error model may not be linear any more.
 const FAR: f64 = 5.0;
 
+/// Turning by more than this from one sample to the next costs accuracy, rad. A unit that swings by 5 to 30 deg so fast that it turns
+/// by 3 to 5 deg in an interval drifts by 2e-4 to 0.08 deg/h and errs by 0.1 to 50 ug; at 1.2 deg it is 1e-6 deg/h and 3 ng.
+const LARGEST_TURN: f64 = 3.0 * DEGREE;
+
 /// Whether a parameter that the coarse stage knows lies far out.
 fn far_out(parameter: &Parameter) -> bool {
     parameter.estimated
@@ -133,6 +138,14 @@ impl Arguments {
             output::remark(&format!(
                 "warning: {} {} lies beyond {FAR:.0} sigmas of its prior: try --coarse, which starts from the still positions",
                 far.info.block, far.info.component
+            ));
+        }
+        if outcome.statistics.largest_turn > LARGEST_TURN {
+            output::remark(&format!(
+                "warning: the unit turns by up to {:.1} deg from one sample to the next: beyond {:.0} deg the mechanisation errs by \
+                 0.001 deg/h and 1 ug or more; log at a higher rate",
+                outcome.statistics.largest_turn / DEGREE,
+                LARGEST_TURN / DEGREE
             ));
         }
         if outcome.bridged.gaps > 0 {

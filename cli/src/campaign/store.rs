@@ -88,10 +88,8 @@ impl Store {
             ));
         }
         store.lock = Some(plan);
-        if !shard {
-            output::sweep(&store.folder);
-            output::sweep(&store.units());
-        }
+        output::sweep(&store.folder);
+        output::sweep(&store.units());
         Ok(store)
     }
 

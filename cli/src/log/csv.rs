@@ -43,14 +43,17 @@ impl CsvSource {
         let Some(header) = std::str::from_utf8(header).ok().filter(|text| !text.contains('\0')) else {
             return Err(LogError::file(path, "is not text: a CSV table with a header line was expected"));
         };
-        if !header.contains(',') && header.contains([';', '\t', ' ']) && header.contains("time_s") {
+        if header.chars().all(|c| c.is_ascii_digit() || "+-.,;eE \t\"".contains(c)) {
+            return Err(LogError::file(path, "line 1 holds numbers, the names of the columns were expected"));
+        }
+        let known = |piece: &str| NAMES.contains(&unquoted(piece).to_ascii_lowercase().as_str());
+        if !header.contains(',')
+            && header.split([';', '\t', ' ', '|']).filter(|piece| known(piece)).count() > 1
+        {
             let help = "write commas between fields and points in numbers";
             return Err(LogError::file(path, "line 1: fields must be separated by commas").help(help));
         }
         let names: Vec<&str> = header.split(',').map(unquoted).collect();
-        if names.iter().all(|name| name.parse::<f64>().is_ok()) {
-            return Err(LogError::file(path, "line 1 holds numbers, the names of the columns were expected"));
-        }
         let variable = |name: &&str| Variable { name: (*name).to_owned(), width: Ok(1) };
         let variables: Vec<Variable> = names.iter().map(variable).collect();
         let layout = Layout::new(path, &variables, Holds::Columns, map)?;
@@ -64,7 +67,9 @@ impl CsvSource {
     /// One line into one row.
     fn parse(&self, batch: &mut Batch) -> Result<(), LogError> {
         let Ok(text) = std::str::from_utf8(&self.lines.line) else {
-            return Err(LogError::row(&self.path, self.row, None, "is not text"));
+            return Err(
+                LogError::row(&self.path, self.row, None, "is not text").help("save the table as UTF-8")
+            );
         };
         let fields = text.split(',').count();
         if fields != self.slots.len() {

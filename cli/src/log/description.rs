@@ -73,7 +73,21 @@ pub(crate) struct Description {
     pub(crate) priors: Vec<(&'static str, f64)>,
 }
 
+/// Angle random walk that separates gyros that feel the Earth's rate from others, rad/sqrt(s).
+const NAVIGATION_WALK: f64 = 0.1 * units::DEG_PER_SQRT_HOUR;
+
 impl Description {
+    /// Whether the gyros are good enough to feel the Earth's rate.
+    pub(super) fn is_navigation_grade(&self) -> bool {
+        self.noise.angle_random_walk < NAVIGATION_WALK
+    }
+
+    /// Prior standard deviation of an effect: the one given, or that of its block; SI.
+    pub(crate) fn prior(&self, effect: &str) -> f64 {
+        let given = self.priors.iter().find(|(name, _)| *name == effect).map(|(_, sigma)| *sigma);
+        given.or_else(|| sinscal::effect(effect).map(|effect| effect.prior_sigma)).unwrap_or(f64::INFINITY)
+    }
+
     /// Reads and checks `path`, reporting every fault at once.
     pub(super) fn read(path: &Path) -> Result<Self, LogError> {
         let mut bytes = Vec::new();

@@ -26,6 +26,7 @@ mod mat5;
 mod npz;
 mod parquet;
 mod rows;
+mod still;
 #[cfg(test)]
 mod tests;
 
@@ -41,6 +42,7 @@ use self::csv::CsvSource;
 use self::layout::Layout;
 use self::parquet::ParquetSource;
 use self::rows::{Checker, Row};
+use self::still::Stillness;
 
 pub(crate) use self::ahead::Ahead;
 pub(crate) use self::description::Description;
@@ -239,6 +241,15 @@ impl Log {
         };
         Ok(Samples {
             checker: Checker::new(self.table.clone(), &self.description, &layout),
+            stillness: Stillness::new(
+                &self.table,
+                &self.description,
+                [
+                    if layout.has(Group::GYRO_PULSE) { Group::GYRO_PULSE } else { Group::DTHETA },
+                    if layout.has(Group::ACCEL_PULSE) { Group::ACCEL_PULSE } else { Group::DVEL },
+                ],
+                self.unknown == UnknownPulses::default(),
+            ),
             source,
             layout,
             batch: Batch::new(),
@@ -272,6 +283,7 @@ pub(crate) struct Samples {
     source: Box<dyn Source + Send>,
     layout: Layout,
     checker: Checker,
+    stillness: Stillness,
     batch: Batch,
     /// Time of the last row of the batch before.
     last_time: Option<f64>,
@@ -422,6 +434,10 @@ impl Iterator for Samples {
         }
         match self.sample() {
             Ok(Some(mut sample)) => {
+                if let Err(fault) = self.stillness.push(&sample) {
+                    self.ended = true;
+                    return Some(Err(fault));
+                }
                 let before = self.last.replace(sample).map(|last| last.time);
                 if let Some(coarse) = &self.coarse {
                     let dt = before.map_or(self.interval, |before| sample.time - before);
@@ -431,7 +447,14 @@ impl Iterator for Samples {
             }
             Ok(None) => {
                 self.ended = true;
-                None
+                if self.rows == 1 {
+                    let fault =
+                        LogError::file(&self.table, "has a single row: nothing can be estimated from it");
+                    return Some(Err(
+                        fault.help("some minutes are expected, at rest in several positions and turning")
+                    ));
+                }
+                self.stillness.judge().err().map(Err)
             }
             Err(fault) => {
                 self.ended = true;
@@ -499,7 +522,7 @@ fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
         PathBuf::from(name)
     };
     let there =
-        || ENDINGS.iter().map(|(ending, kind)| (with(ending), *kind)).filter(|(path, _)| path.exists());
+        || ENDINGS.iter().map(|(ending, kind)| (with(ending), *kind)).filter(|(path, _)| is_there(path));
     let (table, kind) = match (named, there().next(), there().nth(1)) {
         (Some((ending, kind)), ..) => (with(ending), *kind),
         (None, Some((first, _)), Some((second, _))) => {
@@ -522,6 +545,9 @@ fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
     let description = with("toml");
     for (path, what) in [(&table, "table of samples"), (&description, "description of the log")] {
         let metadata = std::fs::metadata(path).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound if path.is_symlink() => {
+                LogError::file(path, format!("is a link to nothing: the {what} was expected"))
+            }
             io::ErrorKind::NotFound => LogError::file(path, format!("the {what} is not there")),
             _ => unreadable(path, &error),
         })?;
@@ -530,6 +556,11 @@ fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
         }
     }
     Ok((table, kind, description))
+}
+
+/// Whether there is something by this name, were it a link to nothing.
+fn is_there(path: &Path) -> bool {
+    path.exists() || path.is_symlink()
 }
 
 /// An error of the operating system with the file it is about.

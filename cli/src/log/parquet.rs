@@ -112,6 +112,9 @@ fn check_magic(path: &Path, file: &mut File) -> Result<(), LogError> {
     let mut first = [0; 4];
     let mut last = [0; 4];
     let start = file.read(&mut first).map_err(failed)?;
+    if &first == b"PARE" {
+        return Err(LogError::file(path, "is an encrypted Parquet file").help("write it without encryption"));
+    }
     if start < 4 || &first != MAGIC {
         return Err(LogError::file(path, "is not a Parquet file (it does not begin with PAR1)")
             .help("a table in text form must be called .csv"));

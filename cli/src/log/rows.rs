@@ -9,7 +9,7 @@ use super::columns::{Batch, Group};
 use super::description::{Description, TEMPERATURES};
 use super::fault::LogError;
 use super::layout::Layout;
-use rig::units::DEG_PER_SQRT_HOUR;
+use super::still::{STANDARD_GRAVITY, force_unit};
 
 /// A quaternion's norm may differ from 1 by this much; it is normalised then.
 pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
@@ -27,11 +27,9 @@ const MEAN_FORCE: (f64, f64) = (3.0, 50.0);
 const LARGEST_FORCE: f64 = 500.0;
 /// Nor beyond this when it is shaken by hand, rad/s.
 const LARGEST_RATE: f64 = 50.0;
-/// Gyros better than `NAVIGATION_WALK` are not turned faster than this, rad/s: 400 deg/s is the input range of ring
+/// Gyros of the navigation class are not turned faster than this, rad/s: 400 deg/s is the input range of ring
 /// laser and fibre gyros. It is low enough to notice a turn at 10 deg/s written in degrees.
 const LARGEST_NAVIGATION_RATE: f64 = 6.981_317_007_977_318;
-/// Angle random walk that separates the two, rad/sqrt(s).
-const NAVIGATION_WALK: f64 = 0.1 * DEG_PER_SQRT_HOUR;
 /// rad/s: at 400 Hz it is 250 arcsec, what a gyro's own dither is; the block that carries the gyros moves less.
 const LARGEST_DITHER: f64 = 4.0;
 /// m/s and m.
@@ -72,13 +70,13 @@ pub(super) enum Row {
 
 impl Checker {
     pub(super) fn new(path: PathBuf, description: &Description, layout: &Layout) -> Self {
-        let navigation_grade = description.noise.angle_random_walk < NAVIGATION_WALK;
         let reference = match [Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].map(|group| layout.has(group))
         {
             [false, false, false] => Measured::FixedPoint,
             [velocity, position, attitude] => Measured::Columns { velocity, position, attitude },
         };
-        let largest_rate = if navigation_grade { LARGEST_NAVIGATION_RATE } else { LARGEST_RATE };
+        let largest_rate =
+            if description.is_navigation_grade() { LARGEST_NAVIGATION_RATE } else { LARGEST_RATE };
         // pulses of unknown size count as they are, and may be many
         let scale = |group, size: Option<Vector3<f64>>, largest| match size {
             _ if !layout.has(group) => (None, largest),
@@ -120,7 +118,12 @@ impl Checker {
                     1.0 / median,
                     1.0 / self.interval
                 );
-                let help = "correct imu.rate_hz of the description, or the times (in seconds)";
+                let times = [(1e3, "ms"), (1e6, "us"), (1e9, "ns")];
+                let unit = times.into_iter().find(|(size, _)| !wrong(median / size));
+                let help = match unit {
+                    Some((_, unit)) => format!("this looks like times in {unit}: seconds are expected"),
+                    None => "correct imu.rate_hz of the description, or the times (in seconds)".into(),
+                };
                 return Err(LogError::column(&self.path, "time_s", problem).help(help));
             }
         }
@@ -135,9 +138,12 @@ impl Checker {
         }
         let mean = sum / finite as f64;
         if finite >= ROWS_FOR_MEAN && !(MEAN_FORCE.0..=MEAN_FORCE.1).contains(&mean) {
+            let unit = force_unit(mean / STANDARD_GRAVITY, 1.0 / self.interval);
             let problem = format!(
-                "rows {} to {}: the specific force is {mean:.3} m/s^2 on average, about 9.8 was expected",
-                rows.0, rows.1
+                "rows {} to {}: the specific force is {mean:.3} m/s^2 on average, about 9.8 was expected{}",
+                rows.0,
+                rows.1,
+                unit.map(|unit| format!(": this looks like {unit}")).unwrap_or_default()
             );
             let help = "velocity increments over one interval are expected, in m/s: not forces, and not in g; --map accel=NAME:m/s^2 reads \
                         forces";

@@ -11,11 +11,13 @@ use crate::support::{DESCRIPTION, Done, RATE, Table};
 const NAN: f64 = f64::NAN;
 
 /// What is broken, and how.
-enum Break {
+pub(crate) enum Break {
     /// The description: a piece of it replaced by another.
     Toml(&'static str, &'static str),
     /// The table, read from CSV and from Parquet.
     Rows(fn(&mut Table)),
+    /// The description and the table.
+    Both(fn(&str) -> String, fn(&mut Table)),
     /// The text of the CSV file.
     Csv(fn(String) -> Vec<u8>),
     /// The bytes of the Parquet file.
@@ -25,10 +27,10 @@ enum Break {
     /// Something else about the files in the folder.
     Files(fn(&Path) -> std::io::Result<()>),
 }
-use Break::{Bytes, Csv, Files, Rows, Text, Toml};
+use Break::{Both, Bytes, Csv, Files, Rows, Text, Toml};
 
 /// What is broken, how, and pieces the message must hold.
-type Case = (Break, &'static [&'static str]);
+pub(crate) type Case = (Break, &'static [&'static str]);
 
 fn descriptions() -> Vec<Case> {
     vec![
@@ -344,7 +346,8 @@ fn complaint(folder: &Path, expected: &[&str]) -> Result<Option<String>, Box<dyn
     Ok((!wrong.is_empty()).then(|| format!("{}\n{message}", wrong.join("; "))))
 }
 
-fn check(cases: Vec<Case>) -> Done {
+/// Runs the program on every case.
+pub(crate) fn check(cases: Vec<Case>) -> Done {
     let mut failures = Vec::new();
     let mut run = |prepare: &dyn Fn(&Path) -> Done, expected: &[&str]| -> Done {
         let folder = tempfile::tempdir()?;
@@ -369,6 +372,17 @@ fn check(cases: Vec<Case>) -> Done {
                 spoil(&mut table);
                 run(&|folder| table.write_csv(&folder.join("log.csv")), expected)?;
                 run(&|folder| table.write_parquet(&folder.join("log.parquet"), None), expected)?;
+            }
+            Both(describe, spoil) => {
+                let mut table = sound.clone();
+                spoil(&mut table);
+                run(
+                    &|folder| {
+                        fs::write(folder.join("log.toml"), describe(DESCRIPTION))?;
+                        table.write_csv(&folder.join("log.csv"))
+                    },
+                    expected,
+                )?;
             }
             Csv(spoil) => {
                 run(&|folder| Ok(fs::write(folder.join("log.csv"), spoil(sound.csv()))?), expected)?

@@ -11,3 +11,5 @@ mod other_inputs;
 mod outside_logs;
 mod simulate;
 mod support;
+mod wrong_files;
+mod wrong_units;

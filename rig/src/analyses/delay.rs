@@ -11,7 +11,7 @@
 //! the motion earlier, and navigates with the increments on a turning Earth.
 
 use nalgebra::{UnitQuaternion, Vector3};
-use sinscal::strapdown::{Increments, NavigationState};
+use sinscal::strapdown::{Before, Increments, NavigationState};
 use sinscal::{Site, earth};
 
 use crate::mechanics::Place;
@@ -94,17 +94,21 @@ impl Turn {
         let every = (samples / i64::from(points.max(1))).max(1);
         let start = NavigationState::at_rest(&self.site, UnitQuaternion::identity());
         let (mut late, mut punctual) = (start, start);
-        let before = |delay| self.increments(&place, -1, delay);
+        let before = |delay| {
+            let mut before = Before::nothing();
+            for k in [-2, -1] {
+                before.follow(&self.increments(&place, k, delay));
+            }
+            before
+        };
         let (mut late_before, mut punctual_before) = (before(self.delay), before(0.0));
         let force = self.force_error();
         let mut series = Vec::with_capacity(points as usize + 1);
         for k in 0..samples {
             let now = self.increments(&place, k, self.delay);
-            late.step(&now, &late_before, dt);
-            late_before = now;
+            late.step(&now, &mut late_before, dt);
             let now = self.increments(&place, k, 0.0);
-            punctual.step(&now, &punctual_before, dt);
-            punctual_before = now;
+            punctual.step(&now, &mut punctual_before, dt);
             if (k + 1) % every == 0 {
                 let time = (k + 1) as f64 * dt;
                 series.push(Errors {
