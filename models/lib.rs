@@ -1,5 +1,7 @@
 //! Declared error-state Kalman filters for the systematic calibration of strapdown inertial navigation systems.
 //!
+//! # Declare
+//!
 //! A filter is a struct whose fields say what may be wrong:
 //!
 //! ```
@@ -11,8 +13,8 @@
 //!     attitude: Attitude,
 //!     velocity: Velocity,
 //!     position: Position,
-//!     gyro: GyroErrors,
-//!     accel: AccelErrors,
+//!     gyro: GyroErrors,           // scale, installation, bias
+//!     accel: AccelErrors,         // scale, installation, bias, quadratic
 //!     outer_lever: OuterLeverArm,
 //!     delay: AccelDelay,
 //! }
@@ -21,8 +23,9 @@
 //! assert_eq!(MyUnit::OFFSETS.delay, 36);
 //! ```
 //!
-//! From it come the sizes, the sparse assembly of F and H, structured propagation and update, names, units and priors of
-//! the states, and named access to estimates. A declaration that cannot work does not compile:
+//! The derive ([`StateBlocks`]) makes a [`Filter`] of it: its sizes, the sparse assembly of F and H, names, units and priors of the
+//! states, and named access to estimates. [`blocks`] holds what there is to declare, [`EFFECTS`] lists it with equations; a
+//! [`Block`] of your own takes one Jacobian. A declaration that cannot work does not compile:
 //!
 //! ```compile_fail
 //! # use sinscal::prelude::*;
@@ -38,7 +41,9 @@
 //! }
 //! ```
 //!
-//! [`Calibration`] runs a declared filter over samples: navigation at their rate, updates at the reference's.
+//! # Run
+//!
+//! [`Calibration`] runs a declared filter over [`Sample`]s: navigation at their rate, updates at the reference's.
 //!
 //! ```
 //! use sinscal::prelude::*;
@@ -77,13 +82,42 @@
 //!     };
 //!     run.step(&sample)?;
 //! }
-//! run.parameters(&mut |p| {
-//!     if p.estimated {
-//!         println!("{} {} = {} +- {}", p.info.block, p.info.component, p.value, p.sigma);
-//!     }
-//! });
+//!
+//! // it explains its log when this is near 1
+//! println!("NIS per degree of freedom {:.2}", run.statistics().nis_per_dof());
 //! # Ok::<(), sinscal::Diverged>(())
 //! ```
+//!
+//! # Read
+//!
+//! What the data say less about than the prior did is not estimated. Values are SI; `sheet_scale` turns them into the units of data
+//! sheets. All by name, no index is written by hand:
+//!
+//! ```
+//! use sinscal::prelude::*;
+//! use sinscal::Sins40P;
+//!
+//! fn tell(run: &Calibration<Sins40P>) {
+//!     run.parameters(&mut |p| {
+//!         if p.estimated {
+//!             let sheet = p.info.sheet_scale;
+//!             println!("{} {} = {} +- {} {}", p.info.block, p.info.component, p.value / sheet, p.sigma / sheet, p.info.sheet_unit);
+//!         }
+//!     });
+//!     let (x, covariance) = (run.estimate(), run.covariance());
+//!     let delay = Sins40P::view(&x, &covariance).delay();
+//!     println!("delay {} +- {} s", delay.values()[0], delay.sigma(0));
+//! }
+//! ```
+//!
+//! [`Smoother`] and [`Innovations`] watch a run ([`Observer`]); [`Compensator`] takes the modelled errors out of samples in real time;
+//! [`observability`] says what a path can show, [`navigation`] what a calibration is worth.
+//!
+//! # Conventions
+//!
+//! n is east-north-up, b right-forward-up. The error of a navigation quantity is *computed - true*, that of a sensor *measured - true*:
+//! a positive parameter makes the sensor read more. Filters and equations: Xing, Yang and Cai, *Sensors* 22(1):278, 2022
+//! (doi:10.3390/s22010278).
 //!
 //! # Features
 //!
@@ -167,7 +201,18 @@ pub mod prelude {
     };
 }
 
-/// The examples of the README, as tests.
+/// The examples of the README and of the guide, as tests.
 #[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
+mod guide {
+    #[doc = include_str!("../README.md")]
+    struct Readme;
+    #[doc = include_str!("../docs/guide/01-quick-start.md")]
+    #[doc = include_str!("../docs/guide/02-calibrate-my-log.md")]
+    #[doc = include_str!("../docs/guide/03-read-the-report.md")]
+    #[doc = include_str!("../docs/guide/04-declare-my-filter.md")]
+    #[doc = include_str!("../docs/guide/05-write-my-block.md")]
+    #[doc = include_str!("../docs/guide/06-find-what-is-missing.md")]
+    #[doc = include_str!("../docs/guide/07-embed-the-filter.md")]
+    #[doc = include_str!("../docs/guide/08-mathematics.md")]
+    struct Guide;
+}

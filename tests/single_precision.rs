@@ -1,9 +1,7 @@
 //! A filter in `f32`, from its Jacobians to its covariance, for days: what an embedded user may expect of it.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use sinscal::{
-    Conventional, Form, Kalman, Point, Real, Residuals, Signals, Sins43B, Transition, Ud, earth,
-};
+use sinscal::{Conventional, Form, Kalman, Point, Real, Residuals, Signals, Sins43B, Transition, Ud, earth};
 
 type F = Sins43B;
 

@@ -1,11 +1,11 @@
 //! One pass over a log for many readers: it is decoded once, the readers work in parallel.
 
-use indicatif::{ProgressBar, ProgressStyle};
 use miette::Result;
 use rayon::prelude::*;
 use sinscal::Sample;
 
 use crate::log::Log;
+use crate::say::progress_bar;
 
 /// Samples handed over at a time: enough to make a thread's while, few enough to stay in the cache.
 const CHUNK: usize = 8192;
@@ -29,7 +29,7 @@ pub(crate) struct Extent {
 pub(crate) fn broadcast<R: Reader + ?Sized>(
     log: &Log,
     seconds: Option<f64>,
-    task: &str,
+    task: &'static str,
     readers: &mut [Box<R>],
 ) -> Result<Extent> {
     let bar = progress_bar(log.size(), task);
@@ -56,14 +56,5 @@ pub(crate) fn broadcast<R: Reader + ?Sized>(
             bar.finish_and_clear();
             return Ok(extent);
         }
-    }
-}
-
-/// A bar on standard error when that is a terminal, else nothing.
-pub(crate) fn progress_bar(length: u64, task: &str) -> ProgressBar {
-    let bar = ProgressBar::new(length);
-    match ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %  {eta} left") {
-        Ok(style) => bar.with_style(style).with_message(task.to_owned()),
-        Err(_) => bar,
     }
 }

@@ -6,8 +6,14 @@ use miette::Result;
 
 use crate::output;
 
+/// What its help ends with.
+const EXAMPLES: &str = "\
+Examples:
+  sinscal completions bash";
+
 /// Print what a shell needs to complete arguments, to be put where it looks for that
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
     /// The shell
     shell: Shell,

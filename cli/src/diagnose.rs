@@ -4,33 +4,42 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clap::builder::PossibleValuesParser;
 use gap::menu::menu_named;
 use gap::{Diagnosis, LogGap, Options, Verdict};
-use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Result, miette};
-use sinscal::{FILTERS, InitialAttitude, Sample};
+use sinscal::{FilterInfo, InitialAttitude, Sample};
 
+use crate::arguments::{self, Results};
 use crate::log::{ColumnMap, Log};
 use crate::report::diagnosis;
 use crate::report::inputs::Inputs;
-use crate::{output, self_test, setup};
+use crate::{say, self_test, setup};
 
 /// Name of the Rust file with the extended filter.
 const DECLARATION: &str = "extended_filter.rs";
 
+/// What its help ends with.
+const EXAMPLES: &str = "\
+Examples:
+  sinscal diagnose runs/unit-3 --filter 36d-p --out findings
+  sinscal diagnose runs/unit-3 --filter 36d-p --verify runs/unit-3-again
+  sinscal diagnose --self-test 20 --seed 9000
+
+With --out: report.html, diagnosis.json, diagnosis.txt, extended_filter.rs (the filter with what was found) and the figures.";
+
 /// Find the effect that a filter lacks: where it shows, which it is, and whether adding it closes the gap
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
     /// The log: path of its table or description, with or without ending
     #[arg(required_unless_present = "self_test")]
     log: Option<PathBuf>,
     #[command(flatten)]
     columns: ColumnMap,
-    /// The filter to begin with; `sinscal filters` lists them
+    /// The filter to begin with; `sinscal filters` describes them
     #[arg(long, value_name = "NAME", ignore_case = true, required_unless_present = "self_test",
-          value_parser = PossibleValuesParser::new(FILTERS.iter().map(|filter| filter.name)))]
-    filter: Option<String>,
+          value_parser = arguments::filter())]
+    filter: Option<&'static FilterInfo>,
     /// A second log of the same unit, on another path or day, to confirm what the first one shows
     #[arg(long, value_name = "LOG2")]
     verify: Option<PathBuf>,
@@ -41,12 +50,8 @@ pub(crate) struct Arguments {
     /// Of the simulated thresholds; of a self-test, that of its first unit
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Write the results as JSON; `-` writes them to standard output instead of the text
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Write report.html, diagnosis.json, diagnosis.txt, the declaration of the extended filter and figures to this folder
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    results: Results,
 }
 
 /// A log in memory.
@@ -58,10 +63,7 @@ struct Loaded {
 
 impl Loaded {
     fn new(path: &Path, columns: &ColumnMap) -> Result<Self> {
-        let log = Log::open(path, columns)?;
-        for warning in log.warnings() {
-            output::remark(&format!("warning: {warning}"));
-        }
+        let log = arguments::open(path, columns)?;
         let initial = setup::initial(&log)?;
         let samples = log.samples()?.collect::<Result<Vec<_>, _>>()?;
         Ok(Self { log, samples, initial })
@@ -70,9 +72,9 @@ impl Loaded {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
-        let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
-        let (log, filter) = match (&self.log, &self.filter) {
-            (Some(log), Some(filter)) => (log, setup::filter(filter)?),
+        let target = self.results.target()?;
+        let (log, filter) = match (&self.log, self.filter) {
+            (Some(log), Some(filter)) => (log, filter),
             // the parser of the command line lets nothing else through
             _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, &target),
         };
@@ -86,7 +88,7 @@ impl Arguments {
             .as_ref()
             .zip(second_setup.as_ref())
             .map(|(second, setup)| gap::Log { samples: &second.samples, setup });
-        let bar = progress_bar();
+        let bar = say::progress_bar(100, "diagnosing");
         let options = Options { seed: self.seed, ..Options::default() };
         let found = gap::diagnose_named(filter.name, &log, verify.as_ref(), &options, &mut |stage, done| {
             bar.set_message(stage);
@@ -99,7 +101,7 @@ impl Arguments {
         if matches!(found.verdict, Verdict::Ambiguous | Verdict::NotConfirmed) {
             plan(filter.name, &mut found)?;
         }
-        if let (Some(folder), Some(_)) = (&self.out, &found.source) {
+        if let (Some(folder), Some(_)) = (&self.results.out, &found.source) {
             found.declaration = Some(folder.join(DECLARATION).display().to_string());
         }
         let json = serde_json::to_string_pretty(&found).into_diagnostic()? + "\n";
@@ -130,10 +132,10 @@ fn plan(filter: &str, found: &mut Diagnosis) -> Result<()> {
 
 /// The finding for people: the sentence, then the evidence.
 fn text(found: &Diagnosis) -> String {
-    let mut text = format!("{}\n", found.sentence);
+    let mut text = say::folded(&format!("{}\n", found.sentence), 0);
     // Writing to a string does not fail.
     for note in &found.notes {
-        let _ = writeln!(text, "- {note}");
+        text += &say::folded(&format!("- {note}\n"), 2);
     }
     let noise = &found.noise_scale;
     let _ = writeln!(
@@ -210,14 +212,5 @@ fn next_runs(found: &Diagnosis, text: &mut String) {
     }
     for (way, pairs) in ways {
         let _ = writeln!(text, "- {way} ({})", pairs.join("; "));
-    }
-}
-
-/// A bar on standard error when that is a terminal, else nothing.
-fn progress_bar() -> ProgressBar {
-    let bar = ProgressBar::new(100);
-    match ProgressStyle::with_template("{msg:40} {wide_bar} {percent:>3} %") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
     }
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use sinscal::{EFFECTS, EffectInfo};
 
 use crate::figures::significant;
-use crate::output;
+use crate::{output, say};
 
 /// List the effects: parameters, units, priors, equations
 #[derive(Args)]
@@ -19,7 +19,7 @@ impl Arguments {
         for effect in &EFFECTS {
             describe(effect, &mut text);
         }
-        output::print(&text)
+        output::print(&say::folded(&text, 31))
     }
 }
 

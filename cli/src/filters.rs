@@ -5,7 +5,7 @@ use std::fmt::Write;
 use clap::Args;
 use sinscal::{FILTERS, FilterInfo};
 
-use crate::output;
+use crate::{output, say};
 
 /// List the filters: states, measurements, what they hold
 #[derive(Args)]
@@ -23,7 +23,7 @@ impl Arguments {
         for filter in FILTERS {
             let _ = writeln!(text, "{:14} {}", filter.name, blocks(filter));
         }
-        output::print(&text)
+        output::print(&say::folded(&text, 15))
     }
 }
 

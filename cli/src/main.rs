@@ -4,6 +4,7 @@
 //! Exit codes: 0 when the work was done, 1 for bad input or a failed run, 2 for bad usage.
 
 mod ablate;
+mod arguments;
 mod broadcast;
 mod calibrate;
 mod campaign;
@@ -22,6 +23,7 @@ mod observe;
 mod output;
 mod paper;
 mod report;
+mod say;
 mod scenario;
 mod self_test;
 mod setup;
@@ -32,6 +34,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
+
+use crate::say::Loudness;
 
 /// What `--help` ends with.
 const AFTER_HELP: &str = "\
@@ -45,7 +49,8 @@ Examples:
   sinscal export results/calibration.json --format c --out imu_calibration.h
 
 Exit codes: 0 the work was done, 1 bad input or a failed run, 2 bad usage.
-With --out DIR every command writes DIR/report.html, which needs no network. NO_COLOR switches colours off.";
+Results go to standard output, everything else to standard error. With --out DIR every command writes DIR/report.html, which
+needs no network. NO_COLOR switches colours off.";
 
 /// Systematic calibration of strapdown inertial navigation systems.
 #[derive(Parser)]
@@ -53,6 +58,12 @@ With --out DIR every command writes DIR/report.html, which needs no network. NO_
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Say nothing but results, warnings and errors
+    #[arg(long, short, global = true)]
+    quiet: bool,
+    /// Say what is read and written, and how each pass went
+    #[arg(long, short, global = true, conflicts_with = "quiet")]
+    verbose: bool,
 }
 
 #[derive(Subcommand)]
@@ -83,6 +94,11 @@ fn main() -> ExitCode {
             return ExitCode::from(code);
         }
     };
+    say::set(match (cli.quiet, cli.verbose) {
+        (true, _) => Loudness::Quiet,
+        (_, true) => Loudness::Verbose,
+        _ => Loudness::Usual,
+    });
     let result = match cli.command {
         Command::Demo(arguments) => arguments.run(),
         Command::Simulate(arguments) => arguments.run(),
@@ -110,9 +126,9 @@ fn main() -> ExitCode {
 /// Shows an error on standard error: with colours and a frame on a terminal, as plain unbroken lines elsewhere.
 fn complain(error: &dyn Diagnostic) {
     let handler = if std::io::stderr().is_terminal() {
-        let colours = std::env::var_os("NO_COLOR").is_none();
-        let theme = if colours { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
-        GraphicalReportHandler::new_themed(theme).with_width(110)
+        let theme =
+            if say::coloured() { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+        GraphicalReportHandler::new_themed(theme).with_width(say::width().unwrap_or(80).min(110))
     } else {
         GraphicalReportHandler::new_themed(GraphicalTheme::none()).with_wrap_lines(false)
     };
@@ -120,7 +136,7 @@ fn complain(error: &dyn Diagnostic) {
     if handler.with_links(false).render_report(&mut text, error).is_err() {
         text = error.to_string();
     }
-    output::remark(text.trim_end());
+    say::error(text.trim_end());
 }
 
 /// A panic inside the decoder of damaged files is caught and reported as what it is: it needs no message of its own.
@@ -131,4 +147,40 @@ fn quiet_decoder() {
             usual(panic);
         }
     }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    /// Every line of a text that calls the program, without what redirects or explains.
+    fn calls(text: &str) -> impl Iterator<Item = Vec<&str>> {
+        text.lines().filter_map(|line| {
+            let call = line.trim().strip_prefix("sinscal ")?;
+            let words = call.split("  ").next()?;
+            Some(std::iter::once("sinscal").chain(words.split_whitespace()).collect())
+        })
+    }
+
+    fn check(command: &clap::Command, path: &str) {
+        let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+        assert!(
+            calls(&help).count() > 0 || ["filters", "effects", "merge", "help"].contains(&command.get_name()),
+            "{path}: its help has no example"
+        );
+        for call in calls(&help) {
+            assert!(Cli::try_parse_from(&call).is_ok(), "{path}: {call:?}");
+        }
+        for inner in command.get_subcommands() {
+            check(inner, &format!("{path} {}", inner.get_name()));
+        }
+    }
+
+    #[test]
+    fn every_example_in_a_help_is_understood() {
+        let command = Cli::command();
+        command.clone().debug_assert();
+        check(&command, "sinscal");
+    }
 }

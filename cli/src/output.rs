@@ -1,4 +1,4 @@
-//! Results on standard output and in files, remarks on standard error.
+//! Results on standard output and in files.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use miette::{Result, miette};
 use tempfile::NamedTempFile;
+
+use crate::say;
 
 /// How the name of a file that is not whole yet begins and ends.
 const PART: (&str, &str) = (".sinscal-", ".part");
@@ -27,11 +29,6 @@ pub(crate) fn sweep(folder: &Path) {
             let _ = fs::remove_file(entry.path());
         }
     }
-}
-
-/// Writes a remark for people. A closed standard error is nobody's loss.
-pub(crate) fn remark(text: &str) {
-    let _ = writeln!(io::stderr(), "{text}");
 }
 
 /// Writes to standard output. A reader that has gone away has seen enough: that is no failure.
@@ -135,6 +132,7 @@ impl Files {
         let _locks = self.lock();
         for (file, path) in self.written.drain(..) {
             file.persist(&path).map_err(|error| failed(&path, &error.error))?;
+            say::detail(|| format!("wrote {}", path.display()));
         }
         self.done = true;
         Ok(())
@@ -223,7 +221,7 @@ impl<'a> Target<'a> {
         }
         files.commit()?;
         if self.to_stdout {
-            remark(verdict);
+            say::remark(verdict);
             print(json)
         } else {
             print(text)

@@ -8,8 +8,8 @@ use miette::{IntoDiagnostic, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::broadcast::progress_bar;
 use crate::output::Target;
+use crate::say::progress_bar;
 
 /// What `--json` writes.
 #[derive(Serialize)]

@@ -1,7 +1,7 @@
 //! What the library must know of a log before its first sample.
 
 use miette::{Result, miette};
-use sinscal::{Aligner, Coarse, FILTERS, FilterInfo, InitialAttitude, Setup};
+use sinscal::{Aligner, Coarse, InitialAttitude, Setup};
 
 use crate::log::Log;
 
@@ -52,12 +52,4 @@ pub(crate) fn coarse(log: &mut Log) -> Result<()> {
         })?;
     log.correct(found);
     Ok(())
-}
-
-/// The filter called `name`, without regard to case.
-pub(crate) fn filter(name: &str) -> Result<&'static FilterInfo> {
-    FILTERS.iter().find(|filter| filter.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
-        let help = rig::suggest::hint(name, FILTERS.iter().map(|filter| filter.name));
-        miette!(help = help, "there is no filter called {name}")
-    })
 }

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};
 use clap::Args;
-use indicatif::ProgressBar;
 use miette::{Result, miette};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, ZstdLevel};
@@ -19,13 +18,21 @@ use crate::figures::significant;
 use crate::output::{self, Files};
 use crate::report::inputs::Inputs;
 use crate::report::{Report, Section, Table, Tone, number, text};
-use crate::scenario;
+use crate::{say, scenario};
 
 /// Rows per batch of the written table.
 const ROWS: usize = 8192;
 
+/// What its help ends with.
+const EXAMPLES: &str = "\
+Examples:
+  sinscal simulate --out runs/unit-3 --seed 3
+  sinscal simulate --print-scenario
+  sinscal simulate --scenario mine.toml --rate 100 --out runs/mine";
+
 /// Simulate a unit on its path and write the log, its description, the truth and a page that shows them
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
     /// Where the log goes: DIR/NAME becomes DIR/NAME.parquet, DIR/NAME.toml, DIR/NAME.truth.json and DIR/NAME.html
     #[arg(long, value_name = "DIR/NAME", required_unless_present = "print_scenario")]
@@ -80,7 +87,7 @@ impl Arguments {
             .with_scenario(self.scenario.as_deref())
             .write_page(&mut files, &path(".html"))?;
         files.commit()?;
-        output::remark(&format!(
+        say::remark(&format!(
             "{}: {samples} samples of unit {}, {:.0} s",
             path(".parquet").display(),
             self.seed,
@@ -161,7 +168,7 @@ fn write_table(
         .set_created_by(concat!("sinscal ", env!("CARGO_PKG_VERSION")).into())
         .build();
     let mut writer = ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))?;
-    let bar = ProgressBar::new(simulation.samples());
+    let bar = say::progress_bar(simulation.samples(), "simulating");
     let mut batch: Vec<Vec<f64>> = vec![Vec::with_capacity(ROWS); columns.len()];
     let mut flush = |batch: &mut Vec<Vec<f64>>| -> io::Result<()> {
         let rows = batch[0].len();

@@ -33,9 +33,7 @@ impl Stretch {
     /// Bounds of cells for a second look: finer about its beginning and its end.
     pub(crate) fn finer(&self, span: (f64, f64)) -> Vec<f64> {
         let cell = (span.1 - span.0) / CELLS as f64;
-        let about = |t: f64| {
-            (0..=2 * FINER).map(move |i| t + cell * (i as f64 / FINER as f64 - 1.0))
-        };
+        let about = |t: f64| (0..=2 * FINER).map(move |i| t + cell * (i as f64 / FINER as f64 - 1.0));
         let mut bounds: Vec<f64> = about(self.start).collect();
         if self.lasts {
             bounds.push(span.1);
@@ -72,7 +70,8 @@ impl Scan {
     /// log on is left out: to a filter that has the bias it is the rest of the log with the other sign.
     pub(crate) fn new(lambda: &DMatrix<f64>, first: usize) -> Self {
         let cells = lambda.nrows() / 3;
-        let block = |i: usize, j: usize| -> Matrix3<f64> { lambda.fixed_view::<3, 3>(3 * i, 3 * j).into_owned() };
+        let block =
+            |i: usize, j: usize| -> Matrix3<f64> { lambda.fixed_view::<3, 3>(3 * i, 3 * j).into_owned() };
         let mut tests = Vec::new();
         for from in first..cells {
             let mut sum = Matrix3::zeros();

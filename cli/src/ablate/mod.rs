@@ -10,20 +10,26 @@ use miette::{IntoDiagnostic, Result};
 use serde::Serialize;
 
 use self::run::Fit;
-use crate::log::{ColumnMap, Log};
+use crate::arguments::{self, ALIGNMENT, LogArgument, Results, alignment};
 use crate::navigate::run::{Flight, navigate};
-use crate::navigate::{ALIGNMENT, alignment, errors, section};
-use crate::output;
+use crate::navigate::{errors, section};
 use crate::report::inputs::Inputs;
 use crate::report::{Cell, Report as Page, Section, Table, Tone, number, text};
 
+/// What its help ends with.
+const EXAMPLES: &str = "\
+Examples:
+  sinscal ablate runs/unit-3
+  sinscal ablate runs/unit-3 --swing runs/swing-3 --out results
+
+With --out: report.html, ablation.json, ablation.txt, errors.csv (errors over time) and the figures.";
+
 /// Compare the five filters of the paper on one log, and what their calibrations are worth on another
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The log to calibrate with: path of its table or description, with or without ending
-    log: PathBuf,
     #[command(flatten)]
-    columns: ColumnMap,
+    log: LogArgument,
     /// A log to navigate on with each calibration
     #[arg(long, value_name = "LOG")]
     swing: Option<PathBuf>,
@@ -33,12 +39,8 @@ pub(crate) struct Arguments {
     /// Align over the first so many seconds of the swing log, at most half of it
     #[arg(long, value_name = "SECONDS", default_value_t = ALIGNMENT, value_parser = alignment)]
     align: f64,
-    /// Write the results as JSON; `-` writes them to standard output instead of the table
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Write report.html, ablation.json, ablation.txt, errors.csv (errors over time) and figures to this folder
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    results: Results,
 }
 
 #[derive(Serialize)]
@@ -62,12 +64,10 @@ struct Row {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
-        let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
-        let log = Log::open(&self.log, &self.columns)?;
-        let swing = self.swing.as_deref().map(|swing| Log::open(swing, &self.columns)).transpose()?;
-        for warning in log.warnings().iter().chain(swing.iter().flat_map(|log| log.warnings())) {
-            output::remark(&format!("warning: {warning}"));
-        }
+        let target = self.results.target()?;
+        let log = self.log.open()?;
+        let swing =
+            self.swing.as_deref().map(|swing| arguments::open(swing, &self.log.columns)).transpose()?;
         let fits = run::calibrate(&log, self.passes)?;
         let (statistics, calibrations): (Vec<_>, Vec<_>) = fits
             .into_iter()
@@ -137,7 +137,7 @@ fn page(report: &Report, log: &Path) -> Page {
              with each calibration."
         );
     }
-    let table = Table::new(caption, &head, report.filters.iter().map(row).collect());
+    let table = Table::new(caption, &head, report.filters.iter().map(row).collect()).drawn_as("side-by-side");
     Page {
         title: format!("The five filters on {}", log.display()),
         verdict: verdict(report),

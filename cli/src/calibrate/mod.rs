@@ -7,30 +7,35 @@ mod run;
 mod tape;
 mod text;
 
-use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use miette::{Result, miette};
 use rig::units::DEGREE;
-use sinscal::{Coarse, FILTERS, Parameter, UnknownPulses};
+use sinscal::{Coarse, Parameter, UnknownPulses};
 
-use crate::log::{ColumnMap, Log};
-use crate::output::{self, Files};
-use crate::setup;
+use crate::arguments::{self, FilterArgument, LogArgument, Results};
+use crate::log::Log;
+use crate::{say, setup};
+
+/// What its help ends with.
+const EXAMPLES: &str = "\
+Examples:
+  sinscal calibrate runs/unit-3 --filter 43d-b
+  sinscal calibrate runs/unit-3 --filter 43d-b --out results
+  sinscal calibrate runs/unit-3 --filter mems-30d --coarse --json -
+
+With --out: report.html, calibration.json, calibration.txt, history.csv (estimates and sigmas over time), with --smooth
+trajectory.csv, and the figures.";
 
 /// Calibrate a unit: run a filter over a log and report its parameters
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The log: path of its table or description, with or without ending
-    log: PathBuf,
     #[command(flatten)]
-    columns: ColumnMap,
-    /// The filter to run; `sinscal filters` lists them
-    #[arg(long, value_name = "NAME", ignore_case = true,
-          value_parser = PossibleValuesParser::new(FILTERS.iter().map(|filter| filter.name)))]
-    filter: String,
+    log: LogArgument,
+    #[command(flatten)]
+    filter: FilterArgument,
     /// Number of passes, by default what the filter's class of units needs; each after the first linearises about the
     /// parameters found before
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -48,12 +53,8 @@ pub(crate) struct Arguments {
     /// Fill gaps of up to this length by interpolated increments
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = gap)]
     bridge_gaps: f64,
-    /// Write the results as JSON; `-` writes them to standard output instead of the table
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Write report.html, calibration.json, history.csv (estimates and sigmas over time) and figures to this folder
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    results: Results,
 }
 
 /// How the covariance is kept.
@@ -89,40 +90,27 @@ fn far_out(parameter: &Parameter) -> bool {
 }
 
 fn gap(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(seconds) if (0.0..=10.0).contains(&seconds) => Ok(seconds),
-        _ => Err("a number of seconds from 0 to 10 was expected".into()),
-    }
+    arguments::within(text, "seconds", 0.0, 10.0)
 }
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let started = Instant::now();
-        let to_stdout = self.json.as_ref().is_some_and(|path| path.as_os_str() == "-");
-        let json_file = self.json.as_ref().filter(|_| !to_stdout);
-        if let Some(path) = json_file {
-            output::check_file(path)?;
-        }
-        if let Some(path) = &self.out {
-            output::check_folder(path)?;
-        }
-        // Names are matched without regard to case: take the listed spelling.
-        let filter = FILTERS
-            .iter()
-            .find(|filter| filter.name.eq_ignore_ascii_case(&self.filter))
-            .ok_or_else(|| miette!("there is no filter called {}", self.filter))?;
-
-        let mut log = Log::open_counting(&self.log, &self.columns)?;
+        let target = self.results.target()?;
+        let filter = self.filter.filter;
+        let mut log = Log::open_counting(&self.log.log, &self.log.columns)?;
+        arguments::tell(&log);
         log.bridge_gaps(self.bridge_gaps);
-        for warning in log.warnings() {
-            output::remark(&format!("warning: {warning}"));
-        }
         if self.coarse || log.unknown_pulses() != UnknownPulses::default() {
             setup::coarse(&mut log)?;
         }
         let passes = self.passes.unwrap_or(filter.passes);
-        let options =
-            run::Options { passes, form: self.form, smooth: self.smooth, residuals: self.out.is_some() };
+        let options = run::Options {
+            passes,
+            form: self.form,
+            smooth: self.smooth,
+            residuals: self.results.out.is_some(),
+        };
         let outcome = run::run(&log, filter.name, options)?;
         if outcome.statistics.updates == 0 {
             let measures = filter.measures().collect::<Vec<_>>().join(" and ");
@@ -135,14 +123,14 @@ impl Arguments {
         if let Some(far) = outcome.parameters.iter().find(|parameter| far_out(parameter))
             && log.coarse().is_none()
         {
-            output::remark(&format!(
-                "warning: {} {} lies beyond {FAR:.0} sigmas of its prior: try --coarse, which starts from the still positions",
+            say::warn(&format!(
+                "{} {} lies beyond {FAR:.0} sigmas of its prior: try --coarse, which starts from the still positions",
                 far.info.block, far.info.component
             ));
         }
         if outcome.statistics.largest_turn > LARGEST_TURN {
-            output::remark(&format!(
-                "warning: the unit turns by up to {:.1} deg from one sample to the next: beyond {:.0} deg the mechanisation errs by \
+            say::warn(&format!(
+                "the unit turns by up to {:.1} deg from one sample to the next: beyond {:.0} deg the mechanisation errs by \
                  0.001 deg/h and 1 ug or more; log at a higher rate",
                 outcome.statistics.largest_turn / DEGREE,
                 LARGEST_TURN / DEGREE
@@ -150,32 +138,19 @@ impl Arguments {
         }
         if outcome.bridged.gaps > 0 {
             let (gaps, rows) = (outcome.bridged.gaps, outcome.bridged.rows);
-            output::remark(&format!("{gaps} gaps were filled with {rows} interpolated rows"));
+            say::remark(&format!("{gaps} gaps were filled with {rows} interpolated rows"));
         }
 
         let document = json::Report::new(&log, filter, options, &outcome, started.elapsed());
         let json = document.render()?;
-        let mut files = Files::default();
-        if let Some(path) = json_file {
-            files.write(path, |file| file.write_all(json.as_bytes()))?;
-        }
-        if let Some(folder) = &self.out {
-            files.folder(folder)?;
-            files.write(&folder.join("calibration.json"), |file| file.write_all(json.as_bytes()))?;
+        let table = text::table(&log, filter.name, &outcome, started.elapsed());
+        target.write("calibration", &json, &table, &text::verdict(filter.name, &outcome), |files, folder| {
             files.write(&folder.join("history.csv"), |file| text::history(&outcome, file))?;
-            report::report(&log, filter, options, &outcome)?.write(&mut files, folder)?;
             if let Some(smoothed) = &outcome.smoothed {
                 let site = &log.description().site;
                 files.write(&folder.join("trajectory.csv"), |file| text::trajectory(smoothed, site, file))?;
             }
-        }
-        files.commit()?;
-
-        if to_stdout {
-            output::remark(&text::verdict(filter.name, &outcome));
-            output::print(&json)
-        } else {
-            output::print(&text::table(&log, filter.name, &outcome, started.elapsed()))
-        }
+            report::report(&log, filter, options, &outcome)?.write(files, folder)
+        })
     }
 }

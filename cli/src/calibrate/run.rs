@@ -1,6 +1,5 @@
 //! Driving the library's calibration over the passes of a log.
 
-use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Result, miette};
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::{
@@ -13,7 +12,7 @@ use super::refusals::{Refusals, Stretch};
 use super::tape::FileTape;
 use crate::history::History;
 use crate::log::{Bridged, Log};
-use crate::setup;
+use crate::{say, setup};
 
 /// How to run.
 #[derive(Clone, Copy)]
@@ -85,7 +84,7 @@ impl Run<'_> {
         let trouble = |error| miette!("the temporary file of the smoother: {error}");
         let mut observer = (Refusals::default(), (None, None));
 
-        let bar = progress_bar(self.log.size() * u64::from(self.options.passes));
+        let bar = say::progress_bar(self.log.size() * u64::from(self.options.passes), "calibrating");
         for pass in 0..self.options.passes {
             if pass > 0 {
                 calibration.begin_pass();
@@ -119,6 +118,10 @@ impl Run<'_> {
                 bar.set_position(self.log.size() * u64::from(pass) + chunk.position);
                 bridged = chunk.bridged;
             }
+            say::detail(|| {
+                let nis = calibration.statistics().nis_per_dof();
+                format!("pass {} of {}: NIS per degree of freedom {nis:.3}", pass + 1, self.options.passes)
+            });
         }
         bar.finish_and_clear();
         let parameters = estimates(&calibration, coarse);
@@ -159,13 +162,4 @@ fn estimates<F: Filter<Dynamics = Strapdown>, C: sinscal::Form>(
         parameters.iter_mut().zip(values).for_each(|(parameter, value)| parameter.value = value);
     }
     parameters
-}
-
-/// A bar on standard error when that is a terminal, else nothing.
-fn progress_bar(length: u64) -> ProgressBar {
-    let bar = ProgressBar::new(length);
-    match ProgressStyle::with_template("calibrating {wide_bar} {percent:>3} %  {eta} left") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }

@@ -79,6 +79,7 @@ pub(crate) fn navigation(summary: &Summary, results: &[UnitResult]) -> Section {
     let caption = "Largest horizontal error of free-inertial navigation, nautical miles. Grey: 5 to 95 % of the units, line: 25 to 75 \
                    %, dot: median. The ratio of the medians to the first filter's has its 95 % interval.";
     let table = Table::new(caption, &head, summary.filters.iter().filter_map(row).collect());
+    let table = table.drawn_as("spread");
     let curve = |(f, filter): (usize, &FilterSummary)| {
         let mut errors: Vec<f64> =
             results.iter().filter_map(|unit| unit.filters.get(f)?.max_horizontal_m).collect();

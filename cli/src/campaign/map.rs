@@ -1,7 +1,6 @@
 //! `sinscal campaign map`: where each effect that a filter takes in helps.
 
 use std::fmt::Write;
-use std::path::PathBuf;
 
 use clap::Args;
 use miette::{IntoDiagnostic, Result, miette};
@@ -11,42 +10,38 @@ use sinscal::navigation::NAUTICAL_MILE;
 use study::{Cell, Plan, Sizes, UnitResult};
 
 use crate::ablate::run::FILTERS;
-use crate::broadcast::progress_bar;
-use crate::navigate::ALIGNMENT;
-use crate::paper::hours;
-use crate::{output, scenario};
+use crate::arguments::{ALIGNMENT, Drawn, Results, hours, within};
+use crate::report::{Cell as Field, Report as Page, Section, Table, Tone, number};
+use crate::say::progress_bar;
+
+/// What its help ends with.
+const EXAMPLES: &str = "\
+Examples:
+  sinscal campaign map --units 6 --factors 0.25,4 --out runs/map
+
+With --out: report.html, map.json, map.txt and the figures.";
 
 /// Map the order of the paper's five filters over the sizes of the effects that they differ in
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// Number of units for each combination of sizes, the same for all
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     units: u64,
-    /// The scenario with sizes of one; without, the default one
-    #[arg(long, value_name = "FILE")]
-    scenario: Option<PathBuf>,
+    #[command(flatten)]
+    drawn: Drawn,
     /// Sizes of delay, temperature and dither to combine, against those of the scenario, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_values = ["0.25", "1", "4"], value_parser = factor)]
     factors: Vec<f64>,
     /// Hours of free-inertial navigation on the swing of the paper's table 2
     #[arg(long, value_name = "H", default_value_t = 4.0, value_parser = hours)]
     hours: f64,
-    /// Number of the first unit
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..1 << 60))]
-    seed: u64,
-    /// Write the map as JSON; `-` writes it to standard output instead of the table
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Write map.json and map.txt to this folder
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    results: Results,
 }
 
 fn factor(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(factor) if (0.0..=100.0).contains(&factor) => Ok(factor),
-        _ => Err("a factor from 0 to 100 was expected".into()),
-    }
+    within(text, "times the usual size", 0.0, 100.0)
 }
 
 #[derive(Serialize)]
@@ -61,9 +56,9 @@ struct Report {
 
 impl Arguments {
     pub(super) fn run(self) -> Result<()> {
-        let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
+        let target = self.results.target()?;
         let plan = Plan {
-            scenario: scenario::load(self.scenario.as_deref())?,
+            scenario: self.drawn.load()?,
             filters: FILTERS.map(str::to_owned).to_vec(),
             passes: 2,
             hours: self.hours,
@@ -79,7 +74,7 @@ impl Arguments {
                 bar.inc(1);
                 result
             };
-            let units = self.seed..self.seed + self.units;
+            let units = self.drawn.seed..self.drawn.seed + self.units;
             let results: Vec<UnitResult> = units.into_par_iter().map(one).collect::<Result<_>>()?;
             Ok(Cell::new(*sizes, &results))
         };
@@ -88,7 +83,45 @@ impl Arguments {
         let in_order = cells.iter().filter(|cell| cell.in_order).count();
         let report = Report { filters: FILTERS, units: self.units, hours: self.hours, in_order, cells };
         let json = serde_json::to_string_pretty(&report).into_diagnostic()? + "\n";
-        target.write("map", &json, &table(&report), &verdict(&report), |_, _| Ok(()))
+        target.write("map", &json, &table(&report), &verdict(&report), |files, folder| {
+            let page = page(&report).with_program().with("seed", self.drawn.seed.to_string());
+            page.with_scenario(self.drawn.scenario.as_deref()).write(files, folder)
+        })
+    }
+}
+
+/// The map as a page: each combination's errors by the largest of them.
+fn page(report: &Report) -> Page {
+    let row = |cell: &Cell| {
+        let Sizes { delay, temperature, dither } = cell.sizes;
+        let mut row =
+            vec![number(delay.to_string()), number(temperature.to_string()), number(dither.to_string())];
+        let largest = cell.median_m.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        row.extend(cell.median_m.iter().enumerate().map(|(f, median)| {
+            let mark = if cell.worse.contains(&f) { " !" } else { "" };
+            Field::Heat(median / largest, format!("{:.3}{mark}", median / NAUTICAL_MILE))
+        }));
+        row
+    };
+    let mut head = vec!["delay", "temperature", "dither"];
+    head.extend(report.filters);
+    let caption = format!(
+        "Median over {} units of the largest horizontal error in {} h, nautical miles, by the sizes of the effects against those of \
+         the scenario; the darker, the nearer to the largest of its row. ! worse than the filter before it.",
+        report.units, report.hours
+    );
+    let table = Table::new(caption, &head, report.cells.iter().map(row).collect()).drawn_as("map");
+    Page {
+        title: "Where each effect that a filter takes in helps".into(),
+        verdict: verdict(report),
+        tone: Tone::Neutral,
+        facts: vec![
+            ("units for each combination".into(), report.units.to_string()),
+            ("navigation".into(), format!("{} h", report.hours)),
+        ],
+        sections: vec![Section::new("Map", vec![table.into()])],
+        origin: Vec::new(),
+        attachments: Vec::new(),
     }
 }
 

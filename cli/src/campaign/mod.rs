@@ -16,20 +16,34 @@ use clap::{Args, Subcommand};
 use miette::{IntoDiagnostic, Report, Result, miette};
 use rayon::prelude::*;
 use rig::scenario::MotionPlan;
+use sinscal::FilterInfo;
 use study::{Plan, Summary, UnitResult};
 
 use self::store::{Identity, Store};
 use crate::ablate::run::FILTERS;
-use crate::broadcast::progress_bar;
-use crate::navigate::{ALIGNMENT, alignment};
+use crate::arguments::{self, ALIGNMENT, Drawn, Results, alignment, hours};
 use crate::output::{self, Files};
-use crate::{scenario, setup};
+use crate::say::progress_bar;
+use crate::{say, scenario};
 
 /// Without a terminal the state of affairs is said at most this often, s.
 const REMARK: u64 = 30;
 
+/// What its help ends with.
+const EXAMPLES: &str = "\
+Examples:
+  sinscal campaign --units 100 --out runs/campaign
+  sinscal campaign --units 100 --filters 36d-p,43d-b --hours 0
+  sinscal campaign --units 100 --shard 2/4 --out runs/campaign
+  sinscal campaign merge runs/campaign --out results
+  sinscal campaign map --units 6 --factors 0.25,4 --out runs/map
+
+With --out every finished unit is kept: the same command takes a stopped campaign up again. Then report.html, summary.json,
+summary.txt, filters.parquet and parameters.parquet are written.";
+
 /// Calibrate many simulated units with each filter: errors, whether the filters know them, navigation
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -37,14 +51,14 @@ pub(crate) struct Arguments {
     /// Number of units
     #[arg(long, value_name = "N", required = true, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     units: Option<u64>,
-    /// The scenario that units are drawn from and calibrated in; without, the default one
-    #[arg(long, value_name = "FILE")]
-    scenario: Option<PathBuf>,
+    #[command(flatten)]
+    drawn: Drawn,
     /// The filters, separated by commas
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_values = FILTERS)]
-    filters: Vec<String>,
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_values = FILTERS, ignore_case = true,
+          value_parser = arguments::filter())]
+    filters: Vec<&'static FilterInfo>,
     /// Hours of free-inertial navigation on a swinging table with each calibration; 0 leaves it out
-    #[arg(long, value_name = "H", default_value_t = 4.0, value_parser = hours)]
+    #[arg(long, value_name = "H", default_value_t = 4.0, value_parser = hours_or_none)]
     hours: f64,
     /// The scenario whose [motion] the unit is moved by meanwhile; without, the swing of the paper's table 2
     #[arg(long, value_name = "FILE")]
@@ -55,19 +69,11 @@ pub(crate) struct Arguments {
     /// Number of passes of a calibration
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1000))]
     passes: u32,
-    /// Number of the first unit
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..1 << 60))]
-    seed: u64,
     /// Only every Nth unit, beginning with the ith: `1/4` to `4/4` together are the whole campaign
     #[arg(long, value_name = "i/N", value_parser = shard, requires = "out")]
     shard: Option<(u64, u64)>,
-    /// Write the summary as JSON; `-` writes it to standard output instead of the tables
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Keep every finished unit in this folder, so that the campaign can be taken up again, and write report.html,
-    /// summary.json, summary.txt, filters.parquet and parameters.parquet there
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    results: Results,
 }
 
 #[derive(Subcommand)]
@@ -78,20 +84,13 @@ enum Command {
         /// Folders of shards; they may share one
         #[arg(required = true, value_name = "DIR")]
         folders: Vec<PathBuf>,
-        /// Write the summary as JSON; `-` writes it to standard output instead of the tables
-        #[arg(long, value_name = "FILE")]
-        json: Option<PathBuf>,
-        /// Write report.html, summary.json, summary.txt, filters.parquet and parameters.parquet to this folder
-        #[arg(long, value_name = "DIR")]
-        out: Option<PathBuf>,
+        #[command(flatten)]
+        results: Results,
     },
 }
 
-fn hours(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(hours) if hours == 0.0 || (0.01..=1000.0).contains(&hours) => Ok(hours),
-        _ => Err("0, or a number of hours from 0.01 to 1000 was expected".into()),
-    }
+fn hours_or_none(text: &str) -> Result<f64, String> {
+    if text == "0" { Ok(0.0) } else { hours(text).map_err(|error| format!("0, or {error}")) }
 }
 
 fn shard(text: &str) -> Result<(u64, u64), String> {
@@ -105,23 +104,21 @@ fn shard(text: &str) -> Result<(u64, u64), String> {
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         match self.command {
-            Some(Command::Merge { folders, json, out }) => {
-                return merge(&folders, json.as_deref(), out.as_deref());
-            }
+            Some(Command::Merge { folders, results }) => return merge(&folders, &results),
             Some(Command::Map(map)) => return map.run(),
             None => {}
         }
-        let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
+        let target = self.results.target()?;
         let mut filters = Vec::new();
-        for name in &self.filters {
-            let filter = setup::filter(name.trim())?.name.to_owned();
+        for filter in &self.filters {
+            let filter = filter.name.to_owned();
             if filters.contains(&filter) {
                 return Err(miette!("--filters: {filter} stands there twice"));
             }
             filters.push(filter);
         }
         let plan = Plan {
-            scenario: scenario::load(self.scenario.as_deref())?,
+            scenario: self.drawn.load()?,
             filters,
             passes: self.passes,
             hours: self.hours,
@@ -133,10 +130,14 @@ impl Arguments {
         }
         let (i, n) = self.shard.unwrap_or((1, 1));
         let units: Vec<u64> =
-            (0..self.units.unwrap_or(0)).filter(|k| k % n == i - 1).map(|k| self.seed + k).collect();
+            (0..self.units.unwrap_or(0)).filter(|k| k % n == i - 1).map(|k| self.drawn.seed + k).collect();
         let identity = Identity::of(&plan);
-        let store =
-            self.out.as_deref().map(|out| Store::create(out, &identity, self.shard.is_some())).transpose()?;
+        let store = self
+            .results
+            .out
+            .as_deref()
+            .map(|out| Store::create(out, &identity, self.shard.is_some()))
+            .transpose()?;
         let results = put_through(&plan, &units, store.as_ref())?;
         if self.shard.is_some() {
             return output::print(&format!(
@@ -147,13 +148,13 @@ impl Arguments {
         let given =
             |path: Option<&Path>| path.map_or("default".to_owned(), |path| path.display().to_string());
         let settings = vec![
-            ("scenario", given(self.scenario.as_deref())),
+            ("scenario", given(self.drawn.scenario.as_deref())),
             ("swing", given(self.swing.as_deref())),
             ("passes", plan.passes.to_string()),
             ("hours", plan.hours.to_string()),
             ("alignment", format!("{} s", plan.alignment)),
         ];
-        report(&results, &target, settings, self.scenario.as_deref())
+        report(&results, &target, settings, self.drawn.scenario.as_deref())
     }
 }
 
@@ -172,7 +173,7 @@ fn put_through(plan: &Plan, units: &[u64], store: Option<&Store>) -> Result<Vec<
     let before: HashSet<u64> = results.iter().map(|result| result.unit).collect();
     let todo: Vec<u64> = units.iter().copied().filter(|unit| !before.contains(unit)).collect();
     if !results.is_empty() {
-        output::remark(&format!("{} of {} units were done before", results.len(), units.len()));
+        say::remark(&format!("{} of {} units were done before", results.len(), units.len()));
     }
     let bar = progress_bar(todo.len() as u64, "units");
     let quiet = !std::io::stderr().is_terminal();
@@ -191,7 +192,7 @@ fn put_through(plan: &Plan, units: &[u64], store: Option<&Store>) -> Result<Vec<
             && said.compare_exchange(before, elapsed, Ordering::Relaxed, Ordering::Relaxed).is_ok()
         {
             let left = elapsed * (todo.len() as u64 - done) / done;
-            output::remark(&format!("{done} of {} units, {left} s left", todo.len()));
+            say::remark(&format!("{done} of {} units, {left} s left", todo.len()));
         }
         Ok(result)
     };
@@ -202,8 +203,8 @@ fn put_through(plan: &Plan, units: &[u64], store: Option<&Store>) -> Result<Vec<
     Ok(results)
 }
 
-fn merge(folders: &[PathBuf], json: Option<&Path>, out: Option<&Path>) -> Result<()> {
-    let target = output::Target::new(json, out)?;
+fn merge(folders: &[PathBuf], results: &Results) -> Result<()> {
+    let target = results.target()?;
     let mut results: BTreeMap<u64, UnitResult> = BTreeMap::new();
     let mut identity: Option<(Identity, &PathBuf)> = None;
     for folder in folders {
@@ -222,10 +223,7 @@ fn merge(folders: &[PathBuf], json: Option<&Path>, out: Option<&Path>) -> Result
         }
         for unit in store.finished()? {
             let Some(result) = store.unit(unit) else {
-                output::remark(&format!(
-                    "warning: {}: unit {unit} is damaged and left out",
-                    folder.display()
-                ));
+                say::warn(&format!("{}: unit {unit} is damaged and left out", folder.display()));
                 continue;
             };
             match results.get(&unit) {
@@ -245,7 +243,7 @@ fn merge(folders: &[PathBuf], json: Option<&Path>, out: Option<&Path>) -> Result
     let results: Vec<UnitResult> = results.into_values().collect();
     let gaps = results.windows(2).map(|pair| pair[1].unit - pair[0].unit - 1).sum::<u64>();
     if gaps > 0 {
-        output::remark(&format!("warning: {gaps} units between the first and the last are not there yet"));
+        say::warn(&format!("{gaps} units between the first and the last are not there yet"));
     }
     report(&results, &target, Vec::new(), None)
 }

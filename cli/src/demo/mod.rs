@@ -18,11 +18,18 @@ use self::story::Story;
 use crate::figures::{decimals, significant};
 use crate::output::{self, Files};
 
+/// What its help ends with.
+const EXAMPLES: &str = "\
+Examples:
+  sinscal demo
+  sinscal demo --seed 3 --hide accel-temperature-scale --out runs/demo";
+
 /// Draw a unit, hide an effect in it, find it with a filter that lacks it, and show what that is worth
 ///
 /// Needs no files. The unit is simulated on a turntable, calibrated with a filter that lacks the hidden effect, diagnosed, the
 /// finding put to a second run, and the unit navigated with both calibrations.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
     /// Which unit of the population is drawn
     #[arg(long, value_name = "N", default_value_t = 1)]

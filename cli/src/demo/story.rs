@@ -2,7 +2,6 @@
 
 use calib_core::{Extended, Vector};
 use gap::{CandidateStates, Candidates, Diagnosis, Options};
-use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Result, miette};
 use rig::scenario::{Path, Population};
 use rig::{Description, DitherMode, Scenario, Simulation, TemperatureProfile, Truth};
@@ -15,6 +14,7 @@ use study::Plan;
 
 use crate::history::History;
 use crate::report::inputs::Inputs;
+use crate::say;
 
 /// How the unit is moved in the two runs, in words.
 pub(super) const PATHS: [&str; 2] = ["on 18 rotations", "on 19 positions, warmed otherwise"];
@@ -98,8 +98,7 @@ impl Story {
         let hidden = sinscal::effect(hide).ok_or_else(|| miette!("there is no effect called {hide}"))?;
         let base = base_for(hide);
         let scenario = scenario(hidden, base)?;
-        let bar = progress_bar();
-        bar.set_message("simulating");
+        let bar = say::progress_bar(100, "simulating");
         let first = Run::new(&scenario, seed)?;
         let second = Run::new(&again(&scenario), seed)?;
         let swing = swing(&scenario, seed)?;
@@ -293,13 +292,4 @@ fn fly(
         }
     }
     Ok((*flight.drift(), track))
-}
-
-/// A bar on standard error when that is a terminal, else nothing.
-fn progress_bar() -> ProgressBar {
-    let bar = ProgressBar::new(100);
-    match ProgressStyle::with_template("{msg:40} {wide_bar} {percent:>3} %") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }

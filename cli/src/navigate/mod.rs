@@ -11,41 +11,32 @@ use miette::{IntoDiagnostic, Result};
 use serde::Serialize;
 
 use self::run::Flight;
-use crate::log::{ColumnMap, Log};
-use crate::output;
+use crate::arguments::{ALIGNMENT, LogArgument, Results, alignment};
 use crate::report::inputs::Inputs;
 use crate::report::{Report as Page, Section, Tone, parts};
 
-/// Length of the alignment that a log begins with, s, where nothing else is asked for.
-pub(crate) const ALIGNMENT: f64 = 900.0;
+/// What its help ends with.
+const EXAMPLES: &str = "\
+Examples:
+  sinscal calibrate runs/unit-3 --filter 43d-b --json unit-3.json
+  sinscal navigate runs/swing-3 --calibration unit-3.json --out results
+
+With --out: report.html, navigation.json, navigation.txt, errors.csv (errors over time) and the figures.";
 
 /// Navigate without any reference, a calibration applied, and compare with where the unit stands
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The log: path of its table or description, with or without ending
-    log: PathBuf,
     #[command(flatten)]
-    columns: ColumnMap,
+    log: LogArgument,
     /// The calibration to apply: what `calibrate --json` wrote
     #[arg(long, value_name = "FILE")]
     calibration: PathBuf,
     /// Align over the first so many seconds, at most half the log
     #[arg(long, value_name = "SECONDS", default_value_t = ALIGNMENT, value_parser = alignment)]
     align: f64,
-    /// Write the results as JSON; `-` writes them to standard output instead of the text
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Write report.html, navigation.json, navigation.txt, errors.csv (errors over time) and figures to this folder
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-}
-
-/// Seconds of an alignment.
-pub(crate) fn alignment(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(seconds) if (10.0..=86_400.0).contains(&seconds) => Ok(seconds),
-        _ => Err("a number of seconds from 10 to 86400 was expected".into()),
-    }
+    #[command(flatten)]
+    results: Results,
 }
 
 #[derive(Serialize)]
@@ -59,12 +50,9 @@ struct Report {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
-        let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
+        let target = self.results.target()?;
         let (calibrated, _) = read::read(&self.calibration)?;
-        let log = Log::open(&self.log, &self.columns)?;
-        for warning in log.warnings() {
-            output::remark(&format!("warning: {warning}"));
-        }
+        let log = self.log.open()?;
         let (flights, alignment_s) = run::navigate(&log, &[calibrated], self.align)?;
         let Some(flight) = flights.first() else { return Ok(()) };
         let (hours, largest, last) = (flight.hours(), flight.largest(), flight.last());

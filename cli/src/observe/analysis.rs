@@ -12,7 +12,7 @@ use sinscal::{
 };
 
 use crate::log::Log;
-use crate::{output, setup};
+use crate::{say, setup};
 
 /// Time spans over which degrees are compared, as in figure 5 of the paper.
 pub(crate) const SPANS: usize = 5;
@@ -107,7 +107,7 @@ impl FilterVisitor for Look<'_> {
             stack.add(&segment);
         }
         if let Some(error) = diverged {
-            output::remark(&format!("warning: {}: {error}; the sigmas to expect are left out", self.name));
+            say::warn(&format!("{}: {error}; the sigmas to expect are left out", self.name));
         }
 
         let degrees = stack.close();

@@ -109,7 +109,7 @@ pub(crate) fn degrees(analysis: &Analysis) -> Section {
          To expect: the sigma at the end, random walks included."
     );
     let rows = analysis.states.iter().map(row).collect();
-    let table = Table::new(caption, &names, rows);
+    let table = Table::new(caption, &names, rows).drawn_as("degrees");
     Section::new("Degrees of observability", vec![table.into(), Item::Curves(curves(analysis))])
 }
 

@@ -19,17 +19,25 @@ use study::{Plan, Summary, UnitResult};
 
 use self::figures::Traces;
 use crate::ablate::run::FILTERS;
-use crate::broadcast::progress_bar;
+use crate::arguments::{ALIGNMENT, Drawn, Results, hours};
 use crate::campaign::motion;
-use crate::navigate::ALIGNMENT;
 use crate::observe::analysis::{Analysis, look};
-use crate::{output, scenario};
+use crate::say::progress_bar;
 
 /// Points of figure 3.
 const POINTS: u32 = 100;
 
+/// What its help ends with.
+const EXAMPLES: &str = "\
+Examples:
+  sinscal paper --out runs/paper
+  sinscal paper --units 2 --hours 4 --out runs/paper
+
+With --out: report.html, paper.json, paper.txt and every figure with its data. 8 units of 48 hours take some minutes.";
+
 /// Reproduce the tables and figures of the paper on simulated units, with the paper's values beside
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
     /// Number of units that Fig. 15 and Table 3 are made of
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(1..=100_000))]
@@ -37,28 +45,13 @@ pub(crate) struct Arguments {
     /// Hours of free-inertial navigation
     #[arg(long, value_name = "H", default_value_t = 48.0, value_parser = hours)]
     hours: f64,
-    /// The scenario that units are drawn from; without, the default one
-    #[arg(long, value_name = "FILE")]
-    scenario: Option<PathBuf>,
+    #[command(flatten)]
+    drawn: Drawn,
     /// The scenario whose [motion] is that of Table 2; without, the swing with amplitudes of 6 deg
     #[arg(long, value_name = "FILE")]
     swing: Option<PathBuf>,
-    /// Number of the first unit, which the figures of single parameters show
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..1 << 60))]
-    seed: u64,
-    /// Write the numbers as JSON; `-` writes them to standard output instead of the report
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Write report.html, paper.json, paper.txt and the figures with their data to this folder
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-}
-
-pub(crate) fn hours(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(hours) if (0.1..=1000.0).contains(&hours) => Ok(hours),
-        _ => Err("a number of hours from 0.1 to 1000 was expected".into()),
-    }
+    #[command(flatten)]
+    results: Results,
 }
 
 /// Everything the report is made of.
@@ -78,9 +71,9 @@ struct Findings {
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let started = Instant::now();
-        let target = output::Target::new(self.json.as_deref(), self.out.as_deref())?;
+        let target = self.results.target()?;
         let plan = Plan {
-            scenario: scenario::load(self.scenario.as_deref())?,
+            scenario: self.drawn.load()?,
             filters: FILTERS.map(str::to_owned).to_vec(),
             passes: 2,
             hours: self.hours,
@@ -88,13 +81,14 @@ impl Arguments {
             motion: motion(self.swing.as_deref())?,
         };
         let delay = delay::Turn::figure_3(plan.scenario.site);
-        let simulation = Simulation::new(&plan.scenario, self.seed).map_err(|error| miette!("{error}"))?;
+        let simulation =
+            Simulation::new(&plan.scenario, self.drawn.seed).map_err(|error| miette!("{error}"))?;
         let description = simulation.description().clone();
         let extent = (0.0, plan.scenario.duration());
         let samples = Box::new(simulation.map(Ok));
         let observability = look("43d-b", &description.setup(&[]), "the simulated log", extent, samples)
             .unwrap_or_else(|| Err(miette!("there is no filter called 43d-b")))?;
-        let (results, traces) = units(&plan, self.seed, self.units)?;
+        let (results, traces) = units(&plan, self.drawn.seed, self.units)?;
         let first = results.first().cloned().ok_or_else(|| miette!("there is no unit"))?;
         let findings = Findings {
             delay_errors: delay.errors(POINTS),
@@ -111,7 +105,7 @@ impl Arguments {
         let text = report::text(&findings);
         target.write("paper", &json, &text, &report::verdict(&findings), |files, folder| {
             figures::write(&findings, files, folder)?;
-            let page = html::page(&findings, &text).with_scenario(self.scenario.as_deref());
+            let page = html::page(&findings, &text).with_scenario(self.drawn.scenario.as_deref());
             page.write(files, folder)
         })
     }

@@ -126,7 +126,7 @@ fn before_and_after(found: &Diagnosis) -> Option<Section> {
         ]);
     }
     let caption = "Both filters really run, closed loop, on the fitted noise. A filter that lacks nothing has an RMS of 1.";
-    let table = Table::new(caption, &["log", "gap", "before", "after"], rows);
+    let table = Table::new(caption, &["log", "gap", "before", "after"], rows).drawn_as("before-and-after");
     Some(Section::new("Before and after", vec![table.into()]))
 }
 
@@ -156,7 +156,8 @@ fn map(found: &Diagnosis) -> Option<Section> {
     let mut head = vec!["stretch"];
     head.extend(&channels);
     let caption = "Log-likelihood that the missing effect gains by stretch of the log and channel of the reference; the strongest.";
-    let mut items: Vec<Item> = vec![Table::new(caption, &head, stretches.iter().map(row).collect()).into()];
+    let table = Table::new(caption, &head, stretches.iter().map(row).collect()).drawn_as("where");
+    let mut items: Vec<Item> = vec![table.into()];
     if !found.evidence.is_empty() {
         let points = found.evidence.iter().map(|evidence| (evidence.time_s, evidence.gain)).collect();
         items.push(
@@ -209,7 +210,8 @@ fn rivals(found: &Diagnosis) -> Option<Section> {
         "excitation",
     ];
     let caption = "Gains in log-likelihood. Excitation: the standard deviations that an effect of its prior's size would show.";
-    Some(Section::new("Rivals", vec![Table::new(caption, &head, rivals.iter().map(row).collect()).into()]))
+    let table = Table::new(caption, &head, rivals.iter().map(row).collect()).drawn_as("rivals");
+    Some(Section::new("Rivals", vec![table.into()]))
 }
 
 /// What else there is to know.

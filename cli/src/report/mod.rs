@@ -8,6 +8,7 @@ mod html;
 pub(crate) mod inputs;
 pub(crate) mod origin;
 pub(crate) mod parts;
+mod picture;
 
 use std::path::Path;
 
@@ -60,6 +61,8 @@ pub(crate) enum Item {
 
 /// A table; a forest plot, bars and a map are tables with such cells.
 pub(crate) struct Table {
+    /// Name of its files beside the page, where something is drawn in it.
+    file: Option<&'static str>,
     pub(crate) caption: String,
     pub(crate) head: Vec<String>,
     pub(crate) rows: Vec<Vec<Cell>>,
@@ -104,7 +107,20 @@ impl Item {
 
 impl Table {
     pub(crate) fn new(caption: impl Into<String>, head: &[&str], rows: Vec<Vec<Cell>>) -> Self {
-        Self { caption: caption.into(), head: head.iter().map(|name| (*name).to_owned()).collect(), rows }
+        let head = head.iter().map(|name| (*name).to_owned()).collect();
+        Self { file: None, caption: caption.into(), head, rows }
+    }
+
+    /// The same with `FILE.svg` and `FILE.csv` beside the page.
+    pub(crate) fn drawn_as(self, file: &'static str) -> Self {
+        Self { file: Some(file), ..self }
+    }
+
+    /// Writes its files to a folder.
+    fn write(&self, file: &str, files: &mut Files, folder: &Path) -> Result<()> {
+        let svg = picture::svg(self);
+        files.write(&folder.join(format!("{file}.svg")), |out| out.write_all(svg.as_bytes()))?;
+        files.write(&folder.join(format!("{file}.csv")), |out| picture::csv(self, out))
     }
 }
 
@@ -137,21 +153,23 @@ impl Report {
         files.write(path, |file| file.write_all(html.as_bytes()))
     }
 
-    /// Writes `report.html` to a folder, and its figures as SVG and CSV to `figures/`.
+    /// Writes `report.html` to a folder, and what is drawn in it as SVG and CSV to `figures/`.
     pub(crate) fn write(&self, files: &mut Files, folder: &Path) -> Result<()> {
         self.write_page(files, &folder.join("report.html"))?;
-        let items = self.sections.iter().flat_map(|section| &section.items);
-        let figures: Vec<&Figure> = items
-            .filter_map(|item| match item {
-                Item::Curves(figure) => Some(figure),
-                _ => None,
-            })
-            .collect();
-        if !figures.is_empty() {
-            let folder = folder.join(FIGURES);
-            files.folder(&folder)?;
-            for figure in figures {
-                figure.write(files, &folder)?;
+        let folder = folder.join(FIGURES);
+        for item in self.sections.iter().flat_map(|section| &section.items) {
+            match item {
+                Item::Curves(figure) => {
+                    files.folder(&folder)?;
+                    figure.write(files, &folder)?;
+                }
+                Item::Table(table) => {
+                    if let Some(file) = table.file {
+                        files.folder(&folder)?;
+                        table.write(file, files, &folder)?;
+                    }
+                }
+                Item::Text(_) | Item::List(_) | Item::Code(_) => {}
             }
         }
         Ok(())

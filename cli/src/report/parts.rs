@@ -119,7 +119,8 @@ pub(crate) fn forest(parameters: &[Parameter], centre: &dyn Fn(&StateInfo) -> f6
             " Upright line: the truth. On the right the error over its sigma; grey holds 95 % of them.";
     }
     let rows = parameters.iter().map(row).collect();
-    Section::new("All parameters at a glance", vec![Table::new(caption, &head, rows).into()])
+    let table = Table::new(caption, &head, rows).drawn_as("forest");
+    Section::new("All parameters at a glance", vec![table.into()])
 }
 
 /// How each estimate came about, with its band of three sigmas: a figure for each effect.

@@ -141,7 +141,7 @@ fn results_go_to_files_and_forms_and_passes_agree_to_run() -> Done {
             .map(|entry| Ok(entry?.file_name().into_string().unwrap_or_default()))
             .collect::<std::io::Result<Vec<_>>>()?;
         written.sort();
-        assert_eq!(written, ["calibration.json", "figures", "history.csv", "report.html"]);
+        assert_eq!(written, ["calibration.json", "calibration.txt", "figures", "history.csv", "report.html"]);
         assert!(out.join("figures/gyro-scale.svg").is_file() && out.join("figures/gyro-scale.csv").is_file());
     }
     Ok(())

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 use rig::{Scenario, Simulation};
+use sinscal::strapdown::{Before, Increments, NavigationState};
 
 /// No noise, no quantisation, strong errors, among them a long delay.
 fn quiet(motion: &str) -> Scenario {

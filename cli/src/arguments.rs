@@ -1,0 +1,116 @@
+//! Arguments that several subcommands have in common.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use miette::Result;
+use rig::Scenario;
+use sinscal::{FILTERS, FilterInfo};
+
+use crate::log::{ColumnMap, Log};
+use crate::output::Target;
+use crate::{say, scenario};
+
+/// What is worked on.
+#[derive(Args)]
+pub(crate) struct LogArgument {
+    /// The log: path of its table or description, with or without ending
+    pub(crate) log: PathBuf,
+    #[command(flatten)]
+    pub(crate) columns: ColumnMap,
+}
+
+impl LogArgument {
+    /// Opens it.
+    pub(crate) fn open(&self) -> Result<Log> {
+        open(&self.log, &self.columns)
+    }
+}
+
+/// Opens a log and says what is odd about it.
+pub(crate) fn open(path: &Path, columns: &ColumnMap) -> Result<Log> {
+    let log = Log::open(path, columns)?;
+    tell(&log);
+    Ok(log)
+}
+
+/// Says what is odd about a log.
+pub(crate) fn tell(log: &Log) {
+    say::detail(|| format!("reading {}", log.table().display()));
+    log.warnings().iter().for_each(|warning| say::warn(warning));
+}
+
+/// What it is worked on with.
+#[derive(Args)]
+pub(crate) struct FilterArgument {
+    /// The filter; `sinscal filters` describes them
+    #[arg(long, value_name = "NAME", ignore_case = true, value_parser = filter())]
+    pub(crate) filter: &'static FilterInfo,
+}
+
+/// Finds a filter by its name, without regard to case.
+pub(crate) fn filter() -> impl TypedValueParser<Value = &'static FilterInfo> {
+    let names = FILTERS.iter().map(|filter| filter.name);
+    PossibleValuesParser::new(names).try_map(|name| {
+        let found = FILTERS.iter().find(|filter| filter.name.eq_ignore_ascii_case(&name));
+        found.ok_or_else(|| format!("there is no filter called {name}"))
+    })
+}
+
+/// Where results go.
+#[derive(Args)]
+pub(crate) struct Results {
+    /// Write the results as JSON; `-` writes them to standard output instead of the text
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+    /// Write report.html, the results as JSON, text and tables, and every figure as SVG and CSV to this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+impl Results {
+    /// Refuses places that could not be written at the end of a long run.
+    pub(crate) fn target(&self) -> Result<Target<'_>> {
+        Target::new(self.json.as_deref(), self.out.as_deref())
+    }
+}
+
+/// Whom a population is drawn from.
+#[derive(Args)]
+pub(crate) struct Drawn {
+    /// The scenario that units are drawn from and calibrated in; without, the default one
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) scenario: Option<PathBuf>,
+    /// Number of the first unit
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..1 << 60))]
+    pub(crate) seed: u64,
+}
+
+impl Drawn {
+    /// The scenario.
+    pub(crate) fn load(&self) -> Result<Scenario> {
+        scenario::load(self.scenario.as_deref())
+    }
+}
+
+/// Hours of navigation.
+pub(crate) fn hours(text: &str) -> Result<f64, String> {
+    within(text, "hours", 0.01, 1000.0)
+}
+
+/// Length of the alignment that a log begins with, s, where nothing else is asked for.
+pub(crate) const ALIGNMENT: f64 = 900.0;
+
+/// Seconds of an alignment.
+pub(crate) fn alignment(text: &str) -> Result<f64, String> {
+    within(text, "seconds", 10.0, 86_400.0)
+}
+
+/// A number from `least` to `most`.
+pub(crate) fn within(text: &str, unit: &str, least: f64, most: f64) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if (least..=most).contains(&number) => Ok(number),
+        _ => Err(format!("a number of {unit} from {least} to {most} was expected")),
+    }
+}
