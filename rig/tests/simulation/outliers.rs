@@ -2,12 +2,13 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rig::{Scenario, Simulation};
-use sinscal::{Calibration, Sample, Sins43B, Statistics};
+use sinscal::prelude::*;
+use sinscal::{Calibration, Filter, Sample, Sins36P, Sins43B, Statistics, Strapdown};
 
-/// Estimate, sigma and truth of every parameter after two passes, and the sums of the second.
-fn calibrate(simulation: &Simulation, log: &[Sample]) -> (Vec<(f64, f64, f64)>, Statistics) {
+/// Estimate, sigma and truth of every parameter after some passes, and the sums of the last.
+fn calibrate(simulation: &Simulation, log: &[Sample], passes: u32) -> (Vec<(f64, f64, f64)>, Statistics) {
     let mut calibration = Calibration::<Sins43B>::new(&simulation.description().setup(&[]));
-    for pass in 0..2 {
+    for pass in 0..passes {
         if pass > 0 {
             calibration.begin_pass();
         }
@@ -40,7 +41,7 @@ fn sound() -> (Simulation, Vec<Sample>) {
 #[test]
 fn bursts_jumps_stuck_and_missing_readings_do_not_bias() {
     let (simulation, clean) = sound();
-    let (expected, statistics) = calibrate(&simulation, &clean);
+    let (expected, statistics) = calibrate(&simulation, &clean, 2);
     let nothing = (statistics.rejected, statistics.repeated, statistics.reopened);
     assert_eq!(nothing, (0, 0, 0), "a sound log is used whole");
 
@@ -76,7 +77,7 @@ fn bursts_jumps_stuck_and_missing_readings_do_not_bias() {
         s.reference.position = s.reference.position.map(|p| p + Vector3::new(0.1, 0.0, 0.0))
     });
 
-    let (found, statistics) = calibrate(&simulation, &log);
+    let (found, statistics) = calibrate(&simulation, &log, 2);
     // at 1 Hz: the bursts, the single readings, and the jump until the gate opens to it
     assert!((69..69 + 80).contains(&statistics.rejected), "{statistics:?}");
     assert_eq!(statistics.repeated, 2 * 59, "{statistics:?}");
@@ -93,22 +94,104 @@ fn bursts_jumps_stuck_and_missing_readings_do_not_bias() {
     }
 }
 
-/// Without the right model innovations are large all the time, and are what the data say: once the gate knows what is usual
-/// for the filter, nothing is refused.
+/// One kind of failure at a time, in one pass and in two: what is found is what is found without the readings that failed.
+#[test]
+fn each_failure_moves_the_parameters_by_less_than_half_a_sigma() {
+    let scenario =
+        Scenario::parse("[imu]\nrate = \"25 Hz\"\n[motion]\nstill = \"120 s\"\ndwell = \"40 s\"").unwrap();
+    let simulation = Simulation::new(&scenario, 3).unwrap();
+    let clean: Vec<Sample> = simulation.clone().collect();
+    type Stretches = Vec<(f64, f64)>;
+    type Failure = fn(&mut Sample);
+    let failures: [(&str, Stretches, Failure); 6] = [
+        ("a burst at rest", vec![(140.0, 155.0)], |s| {
+            s.reference.velocity = s.reference.velocity.map(|v| v + Vector3::new(0.05, -0.02, 0.03));
+        }),
+        ("a burst while it turns", vec![(305.0, 325.0)], |s| {
+            s.reference.velocity = s.reference.velocity.map(|v| v + Vector3::y() * 0.4);
+        }),
+        ("a burst of positions", vec![(420.0, 440.0)], |s| {
+            s.reference.position = s.reference.position.map(|p| p - Vector3::z() * 0.2);
+        }),
+        (
+            "bursts again and again",
+            (5..25).map(|k| 40.0 * f64::from(k)).map(|t| (t, t + 3.0)).collect(),
+            |s| {
+                s.reference.velocity = s.reference.velocity.map(|v| v + Vector3::new(0.1, 0.1, 0.0));
+            },
+        ),
+        ("single wild readings", (5..25).map(|k| 37.3 * f64::from(k)).map(|t| (t, t + 0.9)).collect(), |s| {
+            s.reference.velocity = Some(Vector3::repeat(80.0));
+        }),
+        ("a stuck reference", vec![(500.0, 560.0)], |s| {
+            s.reference.velocity = Some(Vector3::repeat(1e-3));
+            s.reference.position = Some(Vector3::repeat(1e-3));
+        }),
+    ];
+    for passes in [1, 2] {
+        let statistics = calibrate(&simulation, &clean, passes).1;
+        assert_eq!((statistics.rejected, statistics.repeated, statistics.reopened), (0, 0, 0));
+        for (name, stretches, fail) in &failures {
+            let (mut failed, mut without) = (clean.clone(), clean.clone());
+            for (from, to) in stretches {
+                spoil(&mut failed, *from, *to, fail);
+                spoil(&mut without, *from, *to, |s| s.reference = Default::default());
+            }
+            let (found, statistics) = calibrate(&simulation, &failed, passes);
+            let (expected, _) = calibrate(&simulation, &without, passes);
+            let moved = found.iter().zip(&expected);
+            let moved = moved.map(|((value, sigma, _), (other, ..))| (value - other).abs() / sigma);
+            let moved = moved.fold(0.0, f64::max);
+            println!("{passes} passes, {name}: {moved:.3} sigma, {statistics:?}");
+            assert!(moved < 0.5, "{passes} passes, {name}: {moved} sigma, {statistics:?}");
+        }
+    }
+}
+
+/// Without the right model innovations are large all the time, and are what the data say. In the first pass the gate takes the
+/// onset of some of them for outliers (8 % of the readings here, and more the worse the model); once it knows what is usual for the
+/// filter, nothing is refused.
 #[test]
 fn a_filter_that_lacks_an_effect_keeps_its_data() {
-    let (simulation, log) = sound();
-    let mut calibration = Calibration::<sinscal::Sins36P>::new(&simulation.description().setup(&[]));
-    let mut rejected = Vec::new();
-    for _ in 0..2 {
-        for sample in &log {
-            calibration.step(sample).unwrap();
-        }
-        assert!(calibration.statistics().nis_per_dof() > 5.0, "{:?}", calibration.statistics());
-        rejected.push(calibration.statistics().rejected);
-        calibration.begin_pass();
+    fn rejected<F: Filter<Dynamics = Strapdown>>(simulation: &Simulation, log: &[Sample]) -> [f64; 2] {
+        let mut calibration = Calibration::<F>::new(&simulation.description().setup(&[]));
+        [0, 1].map(|pass| {
+            if pass > 0 {
+                calibration.begin_pass();
+            }
+            for sample in log {
+                calibration.step(sample).unwrap();
+            }
+            let statistics = calibration.statistics();
+            println!("{}: {statistics:?}", F::NAME);
+            assert!(statistics.nis_per_dof() > 5.0);
+            statistics.rejected as f64 / statistics.updates as f64
+        })
     }
-    assert!(rejected[0] < log.len() / 50 / 10 && rejected[1] == 0, "{rejected:?}");
+    let (simulation, log) = sound();
+    let quick = "[imu]\nrate = \"25 Hz\"\n[motion]\nstill = \"60 s\"\ndwell = \"20 s\"\nrate = \"60 deg/s\"\nacceleration = \"60 deg/s^2\"";
+    let fast = Simulation::new(&Scenario::parse(quick).unwrap(), 5).unwrap();
+    let fast_log: Vec<Sample> = fast.clone().collect();
+    for [first, second] in [
+        rejected::<Sins36P>(&simulation, &log),
+        rejected::<Biases>(&simulation, &log),
+        rejected::<Sins36P>(&fast, &fast_log),
+        rejected::<Biases>(&fast, &fast_log),
+    ] {
+        assert!(first < 0.5 && second == 0.0, "{first}, {second}");
+    }
+}
+
+/// Biases and nothing else, of a unit that has 34 errors.
+#[derive(StateBlocks)]
+#[filter(name = "biases", measures(velocity, position))]
+struct Biases {
+    attitude: Attitude,
+    velocity: Velocity,
+    position: Position,
+    gyro: GyroBias,
+    accel: AccelBias,
+    lever: OuterLeverArm,
 }
 
 /// An initial attitude that is wrong beyond its sigma is refused for a while, then the gate opens.

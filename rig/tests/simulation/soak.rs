@@ -34,12 +34,14 @@ fn two_days<C: Form>() {
     run.parameters(&mut |p| {
         let name = format!("{} {}", p.info.block, p.info.component);
         assert!(p.sigma > 0.0 && p.sigma <= p.prior_sigma, "{name}: sigma {}", p.sigma);
-        assert!((p.value - truth.of(&p.info)).abs() < p.prior_sigma, "{name}: {}", p.value);
+        // 34 of them: chance goes beyond 4 sigma in one log of 500
+        let error = (p.value - truth.of(&p.info)) / p.sigma;
+        assert!(error.abs() < 4.0, "{name}: {} is {error} sigma from the truth", p.value);
     });
 }
 
-/// Half a minute. Judged is that the filter stays sound, not that its errors stay within sigmas that shrink for two days: one pass
-/// over samples at 10 Hz does not keep up with them (gyro-misalignment zx ends 12 sigma from the truth).
+/// Half a minute. Sigmas shrink for two days, and errors with them: gyro-misalignment zx, whose sigma ends at 0.03 arcsec, shows a
+/// drift of the mechanisation that no shorter log does.
 #[test]
 #[ignore = "half a minute"]
 fn two_days_without_a_break() {
