@@ -1,6 +1,6 @@
 //! The files of a log: which they are, by their endings, and which build reads them.
 
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use super::arrays::{self, Memory};
@@ -66,13 +66,13 @@ pub(super) fn load(path: &Path, kind: Kind, map: &ColumnMap) -> Result<(Memory, 
     }
 }
 
-/// Whether a MATLAB file is one of version 7.3.
+/// Whether a MATLAB file is HDF5: of version 2 by its header, or without such a header.
 fn is_hdf5(path: &Path) -> Result<bool, LogError> {
     let mut start = Vec::new();
-    let file = std::fs::File::open(path).map_err(|error| unreadable(path, &error))?;
-    io::Read::read_to_end(&mut io::Read::take(file, 16), &mut start)
+    std::fs::File::open(path)
+        .and_then(|file| file.take(128).read_to_end(&mut start))
         .map_err(|error| unreadable(path, &error))?;
-    Ok(start.starts_with(b"MATLAB 7.3") || start.starts_with(b"\x89HDF"))
+    Ok(start.starts_with(b"\x89HDF") || start.ends_with(b"\x00\x02IM") || start.ends_with(b"\x02\x00MI"))
 }
 
 /// The table, its kind, and the description of the log called `log`.

@@ -1,6 +1,6 @@
 // Calibration of an inertial unit, written by sinscal 0.1.0
 //
-// tests/formats/calibration.json, SHA-256 e8a0688f37a6fd5e21768e19c21292d7adb1f421fad99e1ba3334c7e22bf74cf
+// calibration.json, SHA-256 e8a0688f37a6fd5e21768e19c21292d7adb1f421fad99e1ba3334c7e22bf74cf
 // filter 43d-b, log unit.parquet
 // 3765 s of data, NIS per degree of freedom 1.00
 //
@@ -8,15 +8,18 @@
 // The error of a sensor is measured - true, so that compensation subtracts it:
 //     omega = omega_measured - d_omega
 //     f     = f_measured - d_f
-// where d_omega (rad/s) and d_f (m/s^2) are the sums of the lines at the effects below, j and k being the axes other
-// than i. They are taken at the true omega and f: begin with the measured ones and repeat, two rounds for scale errors
-// of 1e-3, four for 3 %. Only what was estimated stands here; whatever is not there counts as zero.
+// where d_omega (rad/s) and d_f (m/s^2) are the sums of the lines so called at the effects below. They are taken at
+// the true omega and f: begin with the measured ones and repeat, two rounds for scale errors of 1e-3, four for 3 %.
+// j, k: the axes other than i; A_i: amplitude of the dither's rate about i (rad/s); T_i, T_gi: temperature of
+// accelerometer and gyro i; t: time since the start (s); C: from b to east-north-up.
+// Only what was estimated stands here; whatever is not there counts as zero.
 
 // T_ref, where the temperature effects vanish
 /// reference temperature, degC
-pub const REFERENCE_TEMPERATURE: f64 = 2.5e+01;
+pub const REFERENCE_TEMPERATURE: f64 = 25.0;
 
-// gyro-scale, 1: d_omega_i = s_i omega_i (scale-factor error of each gyro)
+// gyro-scale: scale-factor error of each gyro
+//     d_omega_i = s_i omega_i
 /// gyro scale x, 1
 pub const GYRO_SCALE_X: f64 = 7.007804630242279e-06;
 /// gyro scale x sigma, 1
@@ -30,7 +33,8 @@ pub const GYRO_SCALE_Z: f64 = -6.054907155383354e-06;
 /// gyro scale z sigma, 1
 pub const GYRO_SCALE_Z_SIGMA: f64 = 3.9910265026172873e-07;
 
-// gyro-misalignment, rad: d_omega_y = m_yx omega_x; d_omega_z = m_zx omega_x + m_zy omega_y (installation errors of the gyros; yx is what gyro y reads of the rate about x)
+// gyro-misalignment: installation errors of the gyros; yx is what gyro y reads of the rate about x
+//     d_omega_y = m_yx omega_x; d_omega_z = m_zx omega_x + m_zy omega_y
 /// gyro misalignment yx, rad
 pub const GYRO_MISALIGNMENT_YX: f64 = 1.2620566357346915e-04;
 /// gyro misalignment yx sigma, rad
@@ -44,7 +48,8 @@ pub const GYRO_MISALIGNMENT_ZY: f64 = 8.19041163676074e-05;
 /// gyro misalignment zy sigma, rad
 pub const GYRO_MISALIGNMENT_ZY_SIGMA: f64 = 1.3854737201194576e-06;
 
-// gyro-bias, rad/s: d_omega_i = eps_i (constant drift of each gyro)
+// gyro-bias: constant drift of each gyro
+//     d_omega_i = eps_i
 /// gyro bias x, rad/s
 pub const GYRO_BIAS_X: f64 = -2.6067777167798046e-07;
 /// gyro bias x sigma, rad/s
@@ -58,7 +63,8 @@ pub const GYRO_BIAS_Z: f64 = 1.9612764633938454e-07;
 /// gyro bias z sigma, rad/s
 pub const GYRO_BIAS_Z_SIGMA: f64 = 6.877560792689002e-09;
 
-// accel-scale, 1: d_f_i = s_i f_i (scale-factor error of each accelerometer)
+// accel-scale: scale-factor error of each accelerometer
+//     d_f_i = s_i f_i
 /// accel scale x, 1
 pub const ACCEL_SCALE_X: f64 = -1.3128298342938077e-05;
 /// accel scale x sigma, 1
@@ -72,7 +78,8 @@ pub const ACCEL_SCALE_Z: f64 = -9.015513045687109e-05;
 /// accel scale z sigma, 1
 pub const ACCEL_SCALE_Z_SIGMA: f64 = 2.0217653903756956e-07;
 
-// accel-misalignment, rad: d_f_i = sum over j != i of m_ij f_j (installation errors of the accelerometers; xy is what accelerometer x reads of the force along y)
+// accel-misalignment: installation errors of the accelerometers; xy is what accelerometer x reads of the force along y
+//     d_f_i = sum over j != i of m_ij f_j
 /// accel misalignment xy, rad
 pub const ACCEL_MISALIGNMENT_XY: f64 = 1.956935631319811e-05;
 /// accel misalignment xy sigma, rad
@@ -98,9 +105,10 @@ pub const ACCEL_MISALIGNMENT_ZY: f64 = 8.437639181507132e-05;
 /// accel misalignment zy sigma, rad
 pub const ACCEL_MISALIGNMENT_ZY_SIGMA: f64 = 5.828789695628932e-07;
 
-// accel-bias, m/s^2: d_f_i = b_i (constant bias of each accelerometer)
+// accel-bias: constant bias of each accelerometer
+//     d_f_i = b_i
 /// accel bias x, m/s^2
-pub const ACCEL_BIAS_X: f64 = -1.1457499915834611e-03;
+pub const ACCEL_BIAS_X: f64 = -0.0011457499915834611;
 /// accel bias x sigma, m/s^2
 pub const ACCEL_BIAS_X_SIGMA: f64 = 5.71501818744268e-06;
 /// accel bias y, m/s^2
@@ -112,7 +120,8 @@ pub const ACCEL_BIAS_Z: f64 = -3.041619216666383e-04;
 /// accel bias z sigma, m/s^2
 pub const ACCEL_BIAS_Z_SIGMA: f64 = 5.592833773179055e-06;
 
-// accel-quadratic, s^2/m: d_f_i = k_i f_i^2 (quadratic scale-factor error of each accelerometer)
+// accel-quadratic: quadratic scale-factor error of each accelerometer
+//     d_f_i = k_i f_i^2
 /// accel quadratic x, s^2/m
 pub const ACCEL_QUADRATIC_X: f64 = 1.0357811582862309e-07;
 /// accel quadratic x sigma, s^2/m
@@ -126,41 +135,45 @@ pub const ACCEL_QUADRATIC_Z: f64 = -1.0564671477417617e-06;
 /// accel quadratic z sigma, s^2/m
 pub const ACCEL_QUADRATIC_Z_SIGMA: f64 = 5.4535711458349066e-08;
 
-// outer-lever-arm, m: z_v = v + C (omega_eb x l) - v_ref; z_p = p + C l - p_ref (vector from the sensitive centre to the observed point, in b)
+// outer-lever-arm: vector from the sensitive centre to the observed point, in b
+//     z_v = v + C (omega_eb x l) - v_ref; z_p = p + C l - p_ref
 /// outer lever arm x, m
-pub const OUTER_LEVER_ARM_X: f64 = 1.9923069792752512e-01;
+pub const OUTER_LEVER_ARM_X: f64 = 0.19923069792752512;
 /// outer lever arm x sigma, m
 pub const OUTER_LEVER_ARM_X_SIGMA: f64 = 3.370379607139492e-04;
 /// outer lever arm y, m
-pub const OUTER_LEVER_ARM_Y: f64 = 1.5159665102820502e-01;
+pub const OUTER_LEVER_ARM_Y: f64 = 0.15159665102820502;
 /// outer lever arm y sigma, m
 pub const OUTER_LEVER_ARM_Y_SIGMA: f64 = 3.393828457300367e-04;
 /// outer lever arm z, m
-pub const OUTER_LEVER_ARM_Z: f64 = -1.2653775385501376e-01;
+pub const OUTER_LEVER_ARM_Z: f64 = -0.12653775385501376;
 /// outer lever arm z sigma, m
 pub const OUTER_LEVER_ARM_Z_SIGMA: f64 = 3.3384501359430877e-04;
 
-// inner-lever-arm, m: d_f_i = -(omega_j^2 + omega_k^2 + A_j^2/2 + A_k^2/2) r_i (displacement of each accelerometer along its own axis from the sensitive centre)
+// inner-lever-arm: displacement of each accelerometer along its own axis from the sensitive centre
+//     d_f_i = -(omega_j^2 + omega_k^2 + A_j^2/2 + A_k^2/2) r_i
 /// inner lever arm x, m
-pub const INNER_LEVER_ARM_X: f64 = 3.834160812011185e-02;
+pub const INNER_LEVER_ARM_X: f64 = 0.03834160812011185;
 /// inner lever arm x sigma, m
 pub const INNER_LEVER_ARM_X_SIGMA: f64 = 2.798086810451706e-04;
 /// inner lever arm y, m
-pub const INNER_LEVER_ARM_Y: f64 = 4.0984471997797006e-02;
+pub const INNER_LEVER_ARM_Y: f64 = 0.040984471997797006;
 /// inner lever arm y sigma, m
 pub const INNER_LEVER_ARM_Y_SIGMA: f64 = 2.8407692989406704e-04;
 /// inner lever arm z, m
-pub const INNER_LEVER_ARM_Z: f64 = 3.310774476520106e-02;
+pub const INNER_LEVER_ARM_Z: f64 = 0.03310774476520106;
 /// inner lever arm z sigma, m
 pub const INNER_LEVER_ARM_Z_SIGMA: f64 = 2.71543505813233e-04;
 
-// accel-delay, s: d_f = tau (omega x f) (how much later than the gyros the accelerometers are stamped)
+// accel-delay: how much later than the gyros the accelerometers are stamped
+//     d_f = tau (omega x f)
 /// accel delay tau, s
 pub const ACCEL_DELAY_TAU: f64 = 4.5986996433803955e-04;
 /// accel delay tau sigma, s
 pub const ACCEL_DELAY_TAU_SIGMA: f64 = 3.580465454890501e-06;
 
-// accel-temperature-scale, 1/K: d_f_i = k_i (T_i - T_ref) f_i (change of each accelerometer's scale factor with its temperature above the reference)
+// accel-temperature-scale: change of each accelerometer's scale factor with its temperature above the reference
+//     d_f_i = k_i (T_i - T_ref) f_i
 /// accel temperature scale x, 1/K
 pub const ACCEL_TEMPERATURE_SCALE_X: f64 = -5.167751695127955e-06;
 /// accel temperature scale x sigma, 1/K
