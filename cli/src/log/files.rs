@@ -3,7 +3,7 @@
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use super::arrays::{self, Memory};
+use super::arrays::{self, Arrays, Memory, Named};
 use super::fault::LogError;
 use super::layout::Layout;
 use super::map::ColumnMap;
@@ -38,32 +38,36 @@ const ENDINGS: [(&str, Kind); 7] = [
 pub(super) fn load(path: &Path, kind: Kind, map: &ColumnMap) -> Result<(Memory, Layout), LogError> {
     // MATLAB's v7.3 is HDF5 under another name
     let kind = if kind == Kind::Mat && is_hdf5(path)? { Kind::Hdf5 } else { kind };
-    match kind {
-        #[cfg(feature = "mat")]
-        Kind::Mat => super::mat5::Mat5::open(path)
-            .and_then(|(mut file, named)| arrays::load(path, named, &mut file, map)),
-        #[cfg(feature = "hdf5")]
-        Kind::Hdf5 => super::hdf5::Hdf5::open(path)
-            .and_then(|(mut file, named)| arrays::load(path, named, &mut file, map)),
-        #[cfg(feature = "npz")]
-        Kind::Npz => super::npz::Numpy::open_npz(path)
-            .and_then(|(mut file, named)| arrays::load(path, named, &mut file, map)),
-        #[cfg(feature = "npz")]
-        Kind::Npy => super::npz::Numpy::open_npy(path)
-            .and_then(|(mut file, named)| arrays::load(path, named, &mut file, map)),
-        kind => {
-            let (what, feature, or) = match kind {
-                Kind::Hdf5 => ("HDF5, as MATLAB's v7.3 is", "hdf5", "save it in MATLAB with `save -v7`, or"),
-                Kind::Mat => ("MATLAB files", "mat", "or"),
-                _ => ("NumPy files", "npz", "or"),
-            };
-            let help = format!(
-                "`cargo build --release -p sinscal-cli --features {feature}` builds a program that does; {or} write it as CSV or \
-                 Parquet"
-            );
-            Err(LogError::file(path, format!("this build of the program does not read {what}")).help(help))
-        }
+    let (mut file, named) = open(path, kind)?;
+    arrays::load(path, named, file.as_mut(), map)
+}
+
+/// Opens a file of arrays, if this build can, and lists them.
+fn open(path: &Path, kind: Kind) -> Result<(Box<dyn Arrays>, Vec<Named>), LogError> {
+    #[cfg(any(feature = "mat", feature = "hdf5", feature = "npz"))]
+    fn boxed<T: Arrays + 'static>((file, named): (T, Vec<Named>)) -> (Box<dyn Arrays>, Vec<Named>) {
+        (Box::new(file), named)
     }
+    let (what, feature, or) = match kind {
+        #[cfg(feature = "mat")]
+        Kind::Mat => return super::mat5::Mat5::open(path).map(boxed),
+        #[cfg(feature = "hdf5")]
+        Kind::Hdf5 => return super::hdf5::Hdf5::open(path).map(boxed),
+        #[cfg(feature = "npz")]
+        Kind::Npz => return super::npz::Numpy::open_npz(path).map(boxed),
+        #[cfg(feature = "npz")]
+        Kind::Npy => return super::npz::Numpy::open_npy(path).map(boxed),
+        #[cfg(not(feature = "hdf5"))]
+        Kind::Hdf5 => ("HDF5, as MATLAB's v7.3 is", "hdf5", "save it in MATLAB with `save -v7`, or"),
+        #[cfg(not(feature = "mat"))]
+        Kind::Mat => ("MATLAB files", "mat", "or"),
+        _ => ("NumPy files", "npz", "or"),
+    };
+    let help = format!(
+        "`cargo build --release -p sinscal-cli --features {feature}` builds a program that does; {or} write it as CSV or \
+         Parquet"
+    );
+    Err(LogError::file(path, format!("this build of the program does not read {what}")).help(help))
 }
 
 /// Whether a MATLAB file is HDF5: of version 2 by its header, or without such a header.

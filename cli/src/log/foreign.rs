@@ -3,10 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use proptest::prelude::*;
 use sinscal::Sample;
 
-use super::fuzz::damage::damaged;
 use super::tests::support::{Done, Table};
 use super::{ColumnMap, Log, LogError};
 
@@ -228,38 +226,46 @@ fn rates_become_increments_by_the_time_between_rows() -> Done {
     Ok(())
 }
 
-/// Reads a damaged table to its end or its first fault.
-fn survives(damaged: &[u8], name: &str) -> Result<(), TestCaseError> {
-    for map in ["", "gyro=imu[0:3],accel=imu[3:6]:g,time=imu[6]"] {
-        match samples(damaged, name, map, DESCRIPTION) {
-            Ok(samples) => prop_assert!(samples.len() < 100_000),
-            Err(fault) => prop_assert!(!fault.messages().is_empty()),
+#[cfg(any(feature = "mat", feature = "npz", feature = "hdf5"))]
+mod damage {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::log::fuzz::damage::damaged;
+
+    /// Reads a damaged table to its end or its first fault.
+    fn survives(damaged: &[u8], name: &str) -> Result<(), TestCaseError> {
+        for map in ["", "gyro=imu[0:3],accel=imu[3:6]:g,time=imu[6]"] {
+            match samples(damaged, name, map, DESCRIPTION) {
+                Ok(samples) => prop_assert!(samples.len() < 100_000),
+                Err(fault) => prop_assert!(!fault.messages().is_empty()),
+            }
         }
+        Ok(())
     }
-    Ok(())
-}
 
-macro_rules! fuzz {
-    ($($feature:literal $test:ident $name:literal;)+) => {
-        proptest! {
-            $(
-                #[cfg(feature = $feature)]
-                #[test]
-                fn $test(damaged in damaged(fs::read(fixture($name)).expect("a fixture"))) {
-                    survives(&damaged, $name)?;
-                }
-            )+
-        }
-    };
-}
+    macro_rules! fuzz {
+        ($($feature:literal $test:ident $name:literal;)+) => {
+            proptest! {
+                $(
+                    #[cfg(feature = $feature)]
+                    #[test]
+                    fn $test(damaged in damaged(fs::read(fixture($name)).expect("a fixture"))) {
+                        survives(&damaged, $name)?;
+                    }
+                )+
+            }
+        };
+    }
 
-fuzz! {
-    "mat" fuzz_mat_v5 "small-v5.mat";
-    "mat" fuzz_mat_v7 "small-v7.mat";
-    "hdf5" fuzz_mat_v73 "small-v73.mat";
-    "hdf5" fuzz_hdf5_packed "small-packed.h5";
-    "hdf5" fuzz_hdf5_plain "small-plain.h5";
-    "npz" fuzz_npz_packed "small-packed.npz";
-    "npz" fuzz_npz_plain "small-plain.npz";
-    "npz" fuzz_npy "small.npy";
+    fuzz! {
+        "mat" fuzz_mat_v5 "small-v5.mat";
+        "mat" fuzz_mat_v7 "small-v7.mat";
+        "hdf5" fuzz_mat_v73 "small-v73.mat";
+        "hdf5" fuzz_hdf5_packed "small-packed.h5";
+        "hdf5" fuzz_hdf5_plain "small-plain.h5";
+        "npz" fuzz_npz_packed "small-packed.npz";
+        "npz" fuzz_npz_plain "small-plain.npz";
+        "npz" fuzz_npy "small.npy";
+    }
 }
