@@ -7,11 +7,13 @@ use super::read::Calibration;
 /// A number that every one of the languages reads back to the same bits: shortest digits, always a point, a sign in the
 /// exponent (without which YAML 1.1 takes it for text).
 fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
+        return format!("{value:?}");
+    }
     let text = format!("{value:e}");
     let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     let digits = if digits.contains('.') { digits.to_owned() } else { format!("{digits}.0") };
     match exponent.strip_prefix('-') {
-        _ if exponent == "0" => digits,
         Some(exponent) => format!("{digits}e-{exponent:0>2}"),
         None => format!("{digits}e+{exponent:0>2}"),
     }
@@ -31,9 +33,11 @@ fn preamble(calibration: &Calibration) -> Vec<String> {
             "The error of a sensor is measured - true, so that compensation subtracts it:",
             "    omega = omega_measured - d_omega",
             "    f     = f_measured - d_f",
-            "where d_omega (rad/s) and d_f (m/s^2) are the sums of the lines at the effects below, j and k being the axes other",
-            "than i. They are taken at the true omega and f: begin with the measured ones and repeat, two rounds for scale errors",
-            "of 1e-3, four for 3 %. Only what was estimated stands here; whatever is not there counts as zero.",
+            "where d_omega (rad/s) and d_f (m/s^2) are the sums of the lines so called at the effects below. They are taken at",
+            "the true omega and f: begin with the measured ones and repeat, two rounds for scale errors of 1e-3, four for 3 %.",
+            "j, k: the axes other than i; A_i: amplitude of the dither's rate about i (rad/s); T_i, T_gi: temperature of",
+            "accelerometer and gyro i; t: time since the start (s); C: from b to east-north-up.",
+            "Only what was estimated stands here; whatever is not there counts as zero.",
         ]
         .map(str::to_owned),
     );
@@ -51,22 +55,25 @@ fn preamble(calibration: &Calibration) -> Vec<String> {
     lines
 }
 
-/// An effect in words: name, unit, equation.
-fn heading(effect: &sinscal::EffectInfo) -> String {
-    format!("{}, {}: {} ({})", effect.name(), effect.unit(), effect.equation(), effect.description())
+/// An effect in words: name, what it is, equation.
+fn heading(effect: &sinscal::EffectInfo) -> Vec<String> {
+    vec![format!("{}: {}", effect.name(), effect.description()), format!("    {}", effect.equation())]
 }
 
-/// Every number as name, value and remark, effect by effect.
-fn constants(calibration: &Calibration) -> Vec<(String, Vec<(String, f64, String)>)> {
+/// Numbers that belong together: lines about them, then name, value and unit of each.
+type Group = (Vec<String>, Vec<(String, f64, String)>);
+
+/// Every number, effect by effect.
+fn constants(calibration: &Calibration) -> Vec<Group> {
     let mut groups = Vec::new();
     if let Some(reference) = calibration.reference_temperature {
         let entry = ("reference-temperature".to_owned(), reference, "degC".to_owned());
-        groups.push(("T_ref, where the temperature effects vanish".to_owned(), vec![entry]));
+        groups.push((vec!["T_ref, where the temperature effects vanish".to_owned()], vec![entry]));
     }
     for (name, unit, sizes) in &calibration.pulses {
         let entries = ["x", "y", "z"].into_iter().zip(sizes);
         let entries = entries.map(|(axis, size)| (format!("{name}-{axis}"), *size, (*unit).to_owned()));
-        groups.push((format!("{name}: the increment that one pulse stands for"), entries.collect()));
+        groups.push((vec![format!("{name}: the increment that one pulse stands for")], entries.collect()));
     }
     for (effect, estimates) in &calibration.effects {
         let mut entries = Vec::new();
@@ -95,7 +102,9 @@ pub(super) fn c(calibration: &Calibration) -> String {
     lines(&mut text, " * ", &preamble(calibration));
     text.push_str(" */\n#ifndef SINSCAL_CALIBRATION_H\n#define SINSCAL_CALIBRATION_H\n");
     for (heading, entries) in constants(calibration) {
-        let _ = writeln!(text, "\n/* {heading} */");
+        text.push_str("\n/*\n");
+        lines(&mut text, " * ", &heading);
+        text.push_str(" */\n");
         for (name, value, unit) in entries {
             let name = name.to_ascii_uppercase().replace('-', "_");
             let _ = writeln!(text, "#define SINSCAL_{name} ({}) /* {unit} */", number(value));
@@ -109,7 +118,8 @@ pub(super) fn rust(calibration: &Calibration) -> String {
     let mut text = String::new();
     lines(&mut text, "// ", &preamble(calibration));
     for (heading, entries) in constants(calibration) {
-        let _ = writeln!(text, "\n// {heading}");
+        text.push('\n');
+        lines(&mut text, "// ", &heading);
         for (name, value, unit) in entries {
             let shown = name.replace('-', " ");
             let name = name.to_ascii_uppercase().replace('-', "_");
@@ -127,7 +137,8 @@ pub(super) fn matlab(calibration: &Calibration) -> String {
     text.push_str("\ncalibration = struct();\n");
     let _ = writeln!(text, "calibration.filter = '{}';", calibration.filter);
     for (heading, entries) in constants(calibration) {
-        let _ = writeln!(text, "\n% {heading}");
+        text.push('\n');
+        lines(&mut text, "% ", &heading);
         for (name, value, unit) in entries {
             let _ = writeln!(text, "calibration.{} = {}; % {unit}", name.replace('-', "_"), number(value));
         }
@@ -170,7 +181,7 @@ pub(super) fn yaml(calibration: &Calibration) -> String {
     }
     text.push_str("parameters:\n");
     for (effect, estimates) in &calibration.effects {
-        let _ = writeln!(text, "  # {}", heading(effect));
+        lines(&mut text, "  # ", &heading(effect));
         let _ = writeln!(text, "  {}:\n    unit: \"{}\"", effect.name(), effect.unit());
         for estimate in estimates {
             let component = if estimate.component.is_empty() { "value" } else { &estimate.component };
@@ -199,7 +210,7 @@ mod tests {
 
     #[test]
     fn numbers_are_written_for_every_language() {
-        let written = [0.0, 1.0, -7e-6, 1.5e300, 0.125].map(number);
-        assert_eq!(written, ["0.0", "1.0", "-7.0e-06", "1.5e+300", "1.25e-01"]);
+        let written = [0.0, 25.0, -7e-6, 1.5e300, 0.125].map(number);
+        assert_eq!(written, ["0.0", "25.0", "-7.0e-06", "1.5e+300", "0.125"]);
     }
 }

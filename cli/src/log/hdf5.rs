@@ -9,6 +9,8 @@ use super::arrays::{Arrays, LARGEST, MOST_VARIABLES, Named};
 use super::fault::LogError;
 use super::guard::guarded;
 
+/// Deflate packs no tighter: what announces more numbers than that is damaged.
+const TIGHTEST: u64 = 1100;
 /// Groups are not nested deeper.
 const DEEPEST: usize = 8;
 
@@ -20,12 +22,13 @@ pub(super) struct Hdf5 {
 impl Hdf5 {
     /// Opens a file and lists its datasets.
     pub(super) fn open(path: &Path) -> Result<(Self, Vec<Named>), LogError> {
+        let length = std::fs::metadata(path).map_err(|error| super::unreadable(path, &error))?.len();
         let options = OpenOptions::default().with_max_read_bytes(LARGEST as usize);
         let mut found = Vec::new();
         guarded(|| {
             let file = Hdf5File::open_with_options(path, options).map_err(|error| error.to_string())?;
             let root = file.root_group().map_err(|error| error.to_string())?;
-            list(&root, "", 0, &mut found)
+            list(&root, "", 0, length.saturating_mul(TIGHTEST), &mut found)
         })
         .map_err(|problem| {
             LogError::file(path, format!("is not an HDF5 file, damaged or cut off: {problem}"))
@@ -72,6 +75,7 @@ fn list(
     group: &Group,
     prefix: &str,
     depth: usize,
+    most: u64,
     found: &mut Vec<(Named, Option<Dataset>)>,
 ) -> Result<(), String> {
     let (groups, datasets) = group.members().map_err(|error| error.to_string())?;
@@ -80,7 +84,7 @@ fn list(
     }
     for dataset in datasets {
         let name = format!("{prefix}{}", dataset.name());
-        found.push((Named { name, dims: describe(&dataset) }, Some(dataset)));
+        found.push((Named { name, dims: describe(&dataset, most) }, Some(dataset)));
     }
     for group in groups {
         // what MATLAB keeps for itself
@@ -92,14 +96,14 @@ fn list(
         if sparse {
             found.push((Named { name, dims: Err("a sparse matrix".into()) }, None));
         } else {
-            list(&group, &format!("{name}/"), depth + 1, found)?;
+            list(&group, &format!("{name}/"), depth + 1, most, found)?;
         }
     }
     Ok(())
 }
 
-/// The dimensions of a dataset, or what it holds instead of numbers.
-fn describe(dataset: &Dataset) -> Result<Vec<u64>, String> {
+/// The dimensions of a dataset, or what it holds instead of numbers, at most `most` bytes.
+fn describe(dataset: &Dataset, most: u64) -> Result<Vec<u64>, String> {
     let class = dataset.attribute("MATLAB_class").and_then(|class| class.read_string()).unwrap_or_default();
     let holds = match (class.trim_end_matches('\0'), dataset.dtype()) {
         ("char" | "string", _) | (_, Datatype::String { .. } | Datatype::VarLen { .. }) => "text",
@@ -115,6 +119,10 @@ fn describe(dataset: &Dataset) -> Result<Vec<u64>, String> {
             _,
             Datatype::FloatingPoint { size: 4 | 8, .. } | Datatype::FixedPoint { size: 1 | 2 | 4 | 8, .. },
         ) => {
+            let size = dataset.num_elements().map_err(|error| error.to_string())?;
+            if size > most {
+                return Err(format!("{size} numbers, it says, more than there can be in the file"));
+            }
             return Ok(dataset.shape().to_vec());
         }
         _ => "no numbers",

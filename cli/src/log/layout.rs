@@ -204,13 +204,19 @@ impl<'a> Search<'a> {
             Ok(width) => *width,
             Err(holds) => return self.unfit(entry.group, variable, holds),
         };
-        let wanted = entry.columns.clone().unwrap_or_else(|| (0..width).collect());
+        let wanted = entry.columns.clone().unwrap_or_else(|| (0..width.min(names.len() + 1)).collect());
         let problem = match wanted.iter().max() {
             Some(most) if *most >= width => {
                 format!("has {}, counted from 0: there is no [{most}]", columns(width))
             }
             _ if wanted.len() != names.len() => {
-                format!("has {width} columns, `{}` needs {} ({})", entry.name, names.len(), names.join(", "))
+                format!(
+                    "has {}, `{}` needs {} ({})",
+                    columns(width),
+                    entry.name,
+                    names.len(),
+                    names.join(", ")
+                )
             }
             _ => {
                 for (slot, column) in entry.group.slots().zip(wanted) {

@@ -16,11 +16,20 @@ const MOST_COLUMNS: usize = 16;
 /// Which variables of a file are the columns of the log format
 #[derive(clap::Args, Clone, Debug, Default)]
 pub(crate) struct ColumnMap {
-    /// Names and units of the columns in files that others wrote: gyro=wm,accel=acc:m/s^2,time=t. Left a column of the log
-    /// format or time, gyro, accel, temp, dither, ref_vel, ref_pos, ref_quat ...; right the file's variable, perhaps with its
-    /// columns (imu[0:3], from 0 on, the end does not count), a unit (:deg/s, :g, :ms; rates become increments), or a minus
-    /// before it. MATLAB and NumPy files with the seven columns [wm vm t] of PSINS need no map
-    #[arg(long = "map", value_name = "NAME=VARIABLE,...", value_parser = parse)]
+    /// Names and units of the columns in a file that others wrote, such as gyro=wm,accel=acc:m/s^2,time=t
+    ///
+    /// Left stands a column of the log format (dtheta_x) or all of a kind: time, gyro, accel, gyro_pulse, accel_pulse, temp,
+    /// temp_gyro, dither, ref_vel, ref_pos, ref_quat. Right stands the file's variable, and after it, where needed, its columns,
+    /// counted from 0, and its unit; a minus before it turns the sign. What holds rates (deg/s, rad/s, g, m/s^2) becomes
+    /// increments by the time between rows. The same map serves every log of the command. Not needed for the names of the format,
+    /// nor for the seven columns [wm vm t] of PSINS in a MATLAB, NumPy or HDF5 file.
+    ///
+    ///   --map gyro=wm,accel=vm,time=t           three arrays
+    ///   --map gyro=imu[0:3],accel=imu[3:6]:g    columns of one array, forces in g
+    ///   --map gyro=w:deg/s,time=t:ms            columns w_x, w_y, w_z (or wx, w.x ...) of a table
+    ///   --map ref_quat=q[3,0,1,2]               the scalar comes last in the file
+    ///   --map dtheta_x=w[1],dtheta_y=w[0],dtheta_z=-w[2]    from forward-right-down
+    #[arg(long = "map", value_name = "NAME=VARIABLE,...", verbatim_doc_comment, value_parser = parse)]
     maps: Vec<Map>,
 }
 
@@ -256,7 +265,7 @@ mod tests {
             ("gyro", "`gyro` has no `=`"),
             ("gyro=", "`gyro` has no variable"),
             ("gyr=wm", "did you mean `gyro`?"),
-            ("dthetax=wm", "did you mean `dtheta_x`?"),
+            ("dtheta_zz=wm", "did you mean `dtheta_z`?"),
             ("gyro=wm:deg/sec", "did you mean `deg/s`?"),
             ("time=t:m", "accepted: s, ms, us, ns, min, h, days"),
             ("gyro_pulse=n:rad", "accepted: 1"),

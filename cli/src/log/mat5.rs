@@ -72,7 +72,12 @@ impl Mat5 {
             offset = element.offset + element.size;
             mat.elements.push(element);
             let head = mat.with(mat.elements.len() - 1, |reader| reader.head()).map_err(fault)?;
-            named.push(head.named());
+            if head.name.is_empty() {
+                // what MATLAB keeps for itself
+                mat.elements.pop();
+            } else {
+                named.push(head.named());
+            }
         }
         Ok((mat, named))
     }

@@ -7,12 +7,19 @@
 //! `layout` says where the columns of the format stand in a file, from its names and the `map` given on the command line.
 
 mod ahead;
+#[cfg_attr(
+    not(all(feature = "mat", feature = "npz", feature = "hdf5")),
+    allow(dead_code, reason = "what every reader uses, whichever are built in")
+)]
 mod arrays;
 mod columns;
 mod csv;
 mod description;
 mod fault;
 mod fields;
+mod files;
+#[cfg(test)]
+mod foreign;
 #[cfg(test)]
 pub(crate) mod fuzz;
 mod guard;
@@ -39,6 +46,7 @@ use sinscal::{CoarseCalibration, Sample, UnknownPulses};
 use self::arrays::{Memory, MemorySource};
 use self::columns::{Batch, Group, Source};
 use self::csv::CsvSource;
+use self::files::Kind;
 use self::layout::Layout;
 use self::parquet::ParquetSource;
 use self::rows::{Checker, Row};
@@ -84,27 +92,6 @@ enum Rows {
     Memory(Arc<Memory>),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    Parquet,
-    Csv,
-    Mat,
-    Hdf5,
-    Npz,
-    Npy,
-}
-
-/// The ending says what kind of file a table is.
-const ENDINGS: [(&str, Kind); 7] = [
-    ("parquet", Kind::Parquet),
-    ("csv", Kind::Csv),
-    ("mat", Kind::Mat),
-    ("h5", Kind::Hdf5),
-    ("hdf5", Kind::Hdf5),
-    ("npz", Kind::Npz),
-    ("npy", Kind::Npy),
-];
-
 impl Log {
     /// Finds the files of a log, reads the description and checks the columns. Pulses must have known sizes.
     pub(crate) fn open(log: &Path, map: &ColumnMap) -> Result<Self, LogError> {
@@ -128,7 +115,7 @@ impl Log {
 
     /// The same with pulses of unknown size: until [`correct`](Self::correct) says it, samples hold counts.
     pub(crate) fn open_counting(log: &Path, map: &ColumnMap) -> Result<Self, LogError> {
-        let (table, kind, description_path) = find(log)?;
+        let (table, kind, description_path) = files::find(log)?;
         let description = Description::read(&description_path)?;
         let (rows, layout, size) = match kind {
             Kind::Parquet => {
@@ -141,7 +128,7 @@ impl Log {
                 (Rows::Csv, layout, size)
             }
             Kind::Mat | Kind::Hdf5 | Kind::Npz | Kind::Npy => {
-                let (memory, layout) = load(&table, kind, map)?;
+                let (memory, layout) = files::load(&table, kind, map)?;
                 let size = memory.rows as u64;
                 (Rows::Memory(Arc::new(memory)), layout, size)
             }
@@ -325,7 +312,7 @@ impl Samples {
     fn row(&mut self) -> Result<Option<Row>, LogError> {
         self.in_row = false;
         if self.next == self.batch.rows {
-            self.source.read(&mut self.batch)?;
+            self.source.read(&mut self.batch).map_err(|fault| self.layout.explain(fault))?;
             self.next = 0;
             if self.batch.rows == 0 {
                 if self.rows == 0 {
@@ -462,105 +449,6 @@ impl Iterator for Samples {
             }
         }
     }
-}
-
-/// Reads a file of arrays.
-fn load(path: &Path, kind: Kind, map: &ColumnMap) -> Result<(Memory, Layout), LogError> {
-    // MATLAB's v7.3 is HDF5 under another name
-    let kind = if kind == Kind::Mat && is_hdf5(path)? { Kind::Hdf5 } else { kind };
-    match kind {
-        #[cfg(feature = "mat")]
-        Kind::Mat => {
-            mat5::Mat5::open(path).and_then(|(mut file, named)| arrays::load(path, named, &mut file, map))
-        }
-        #[cfg(feature = "hdf5")]
-        Kind::Hdf5 => {
-            hdf5::Hdf5::open(path).and_then(|(mut file, named)| arrays::load(path, named, &mut file, map))
-        }
-        #[cfg(feature = "npz")]
-        Kind::Npz => {
-            npz::Numpy::open_npz(path).and_then(|(mut file, named)| arrays::load(path, named, &mut file, map))
-        }
-        #[cfg(feature = "npz")]
-        Kind::Npy => {
-            npz::Numpy::open_npy(path).and_then(|(mut file, named)| arrays::load(path, named, &mut file, map))
-        }
-        kind => {
-            let (what, feature, or) = match kind {
-                Kind::Hdf5 => ("HDF5, as MATLAB's v7.3 is", "hdf5", "save it in MATLAB with `save -v7`, or"),
-                Kind::Mat => ("MATLAB files", "mat", "or"),
-                _ => ("NumPy files", "npz", "or"),
-            };
-            let help = format!(
-                "`cargo build --release -p sinscal-cli --features {feature}` builds a program that does; {or} write it as CSV or \
-                 Parquet"
-            );
-            Err(LogError::file(path, format!("this build of the program does not read {what}")).help(help))
-        }
-    }
-}
-
-/// Whether a MATLAB file is one of version 7.3.
-fn is_hdf5(path: &Path) -> Result<bool, LogError> {
-    let mut start = Vec::new();
-    let file = std::fs::File::open(path).map_err(|error| unreadable(path, &error))?;
-    io::Read::read_to_end(&mut io::Read::take(file, 16), &mut start)
-        .map_err(|error| unreadable(path, &error))?;
-    Ok(start.starts_with(b"MATLAB 7.3") || start.starts_with(b"\x89HDF"))
-}
-
-/// The table, its kind, and the description of the log called `log`.
-fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
-    let ending = log.extension().and_then(|ending| ending.to_str());
-    let named = ENDINGS.iter().find(|(known, _)| Some(*known) == ending);
-    let stem =
-        if named.is_some() || ending == Some("toml") { log.with_extension("") } else { log.to_owned() };
-    let with = |ending: &str| {
-        let mut name = stem.clone().into_os_string();
-        name.push(".");
-        name.push(ending);
-        PathBuf::from(name)
-    };
-    let there =
-        || ENDINGS.iter().map(|(ending, kind)| (with(ending), *kind)).filter(|(path, _)| is_there(path));
-    let (table, kind) = match (named, there().next(), there().nth(1)) {
-        (Some((ending, kind)), ..) => (with(ending), *kind),
-        (None, Some((first, _)), Some((second, _))) => {
-            let problem = format!("there is both {} and {}", first.display(), second.display());
-            return Err(LogError::file(log, problem).help("name the one to read with its ending"));
-        }
-        (None, Some(only), None) => only,
-        (None, None, _) => {
-            let problem = format!(
-                "there is neither {} nor {}, nor one that ends in .mat, .h5, .hdf5, .npz or .npy",
-                with("parquet").display(),
-                with("csv").display()
-            );
-            let help = log.is_file().then_some(
-                "the ending of a table must be .parquet, .csv, .mat, .h5, .hdf5, .npz or .npy".to_owned(),
-            );
-            return Err(LogError::file(log, problem).help_if(help.filter(|_| ending != Some("toml"))));
-        }
-    };
-    let description = with("toml");
-    for (path, what) in [(&table, "table of samples"), (&description, "description of the log")] {
-        let metadata = std::fs::metadata(path).map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound if path.is_symlink() => {
-                LogError::file(path, format!("is a link to nothing: the {what} was expected"))
-            }
-            io::ErrorKind::NotFound => LogError::file(path, format!("the {what} is not there")),
-            _ => unreadable(path, &error),
-        })?;
-        if !metadata.is_file() {
-            return Err(LogError::file(path, format!("is not a regular file: the {what} was expected")));
-        }
-    }
-    Ok((table, kind, description))
-}
-
-/// Whether there is something by this name, were it a link to nothing.
-fn is_there(path: &Path) -> bool {
-    path.exists() || path.is_symlink()
 }
 
 /// An error of the operating system with the file it is about.

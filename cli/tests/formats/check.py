@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 import scipy.io
 import scipy.sparse
+import yaml
 
 HERE = Path(__file__).resolve().parent
 GOLDEN = HERE.parent / "golden" / "turns"
@@ -132,6 +133,30 @@ def close(found, expected, scale=0.0):
     return found == expected
 
 
+def check_yaml(program):
+    """The exported YAML holds every estimate to the bit, and Kalibr's matrices made of them."""
+    path = HERE / "calibration.json"
+    command = [program, "export", str(path), "--format", "yaml"]
+    exported = yaml.safe_load(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    found = {
+        (name, component): (numbers["value"], numbers["sigma"])
+        for name, effect in exported["parameters"].items()
+        for component, numbers in effect.items()
+        if component != "unit"
+    }
+    parameters = json.loads(path.read_text())["parameters"]
+    expected = {(p["name"], p["component"]): (p["value"], p["sigma"]) for p in parameters if p["estimated"]}
+    assert found == expected, "the YAML holds other numbers than the calibration"
+    value = {key: value for key, (value, _) in expected.items()}
+    for sensor, short in [("gyroscopes", "gyro"), ("accelerometers", "accel")]:
+        for i, row in enumerate("xyz"):
+            for j, column in enumerate("xyz"):
+                scale, other = (f"{short}-scale", row), (f"{short}-misalignment", row + column)
+                entry = 1 + value[scale] if i == j else value.get(other, 0.0)
+                assert exported["imu0"][sensor]["M"][i][j] == entry
+            assert exported["imu0"][sensor]["bias"][i] == value[f"{short}-bias", row]
+
+
 def check(program):
     columns = table(GOLDEN.with_suffix(".csv"))
     description = GOLDEN.with_suffix(".toml").read_text()
@@ -194,6 +219,7 @@ def check(program):
             run = calibrate(program, write(f"missing-{ending}", foreign), "--map", f"gyro={name},accel=vm,time=t")
             assert run.returncode == 1 and f"`{name}`: is not in the file" in run.stderr, run.stderr
             done += 1
+    check_yaml(program)
     print(f"{done} files read as their CSV, or refused by name")
 
 

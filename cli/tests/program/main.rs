@@ -5,6 +5,7 @@ mod coarse;
 mod commands;
 mod determinism;
 mod experiments;
+mod export;
 mod golden;
 mod guide;
 mod kills;

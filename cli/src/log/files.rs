@@ -1,0 +1,135 @@
+//! The files of a log: which they are, by their endings, and which build reads them.
+
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use super::arrays::{self, Arrays, Memory, Named};
+use super::fault::LogError;
+use super::layout::Layout;
+use super::map::ColumnMap;
+use super::unreadable;
+
+/// What a description holds at least.
+const LEAST: &str = "at least: [imu] with rate_hz, and [site] with latitude_deg, longitude_deg, height_m";
+
+/// What kind of file a table is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Kind {
+    Parquet,
+    Csv,
+    Mat,
+    Hdf5,
+    Npz,
+    Npy,
+}
+
+/// The ending says what kind of file a table is.
+const ENDINGS: [(&str, Kind); 7] = [
+    ("parquet", Kind::Parquet),
+    ("csv", Kind::Csv),
+    ("mat", Kind::Mat),
+    ("h5", Kind::Hdf5),
+    ("hdf5", Kind::Hdf5),
+    ("npz", Kind::Npz),
+    ("npy", Kind::Npy),
+];
+
+/// Reads a file of arrays.
+pub(super) fn load(path: &Path, kind: Kind, map: &ColumnMap) -> Result<(Memory, Layout), LogError> {
+    // MATLAB's v7.3 is HDF5 under another name
+    let kind = if kind == Kind::Mat && is_hdf5(path)? { Kind::Hdf5 } else { kind };
+    let (mut file, named) = open(path, kind)?;
+    arrays::load(path, named, file.as_mut(), map)
+}
+
+/// Opens a file of arrays, if this build can, and lists them.
+fn open(path: &Path, kind: Kind) -> Result<(Box<dyn Arrays>, Vec<Named>), LogError> {
+    #[cfg(any(feature = "mat", feature = "hdf5", feature = "npz"))]
+    fn boxed<T: Arrays + 'static>((file, named): (T, Vec<Named>)) -> (Box<dyn Arrays>, Vec<Named>) {
+        (Box::new(file), named)
+    }
+    let (what, feature, or) = match kind {
+        #[cfg(feature = "mat")]
+        Kind::Mat => return super::mat5::Mat5::open(path).map(boxed),
+        #[cfg(feature = "hdf5")]
+        Kind::Hdf5 => return super::hdf5::Hdf5::open(path).map(boxed),
+        #[cfg(feature = "npz")]
+        Kind::Npz => return super::npz::Numpy::open_npz(path).map(boxed),
+        #[cfg(feature = "npz")]
+        Kind::Npy => return super::npz::Numpy::open_npy(path).map(boxed),
+        #[cfg(not(feature = "hdf5"))]
+        Kind::Hdf5 => ("HDF5, as MATLAB's v7.3 is", "hdf5", "save it in MATLAB with `save -v7`, or"),
+        #[cfg(not(feature = "mat"))]
+        Kind::Mat => ("MATLAB files", "mat", "or"),
+        _ => ("NumPy files", "npz", "or"),
+    };
+    let help = format!(
+        "`cargo build --release -p sinscal-cli --features {feature}` builds a program that does; {or} write it as CSV or \
+         Parquet"
+    );
+    Err(LogError::file(path, format!("this build of the program does not read {what}")).help(help))
+}
+
+/// Whether a MATLAB file is HDF5: of version 2 by its header, or without such a header.
+fn is_hdf5(path: &Path) -> Result<bool, LogError> {
+    let mut start = Vec::new();
+    std::fs::File::open(path)
+        .and_then(|file| file.take(128).read_to_end(&mut start))
+        .map_err(|error| unreadable(path, &error))?;
+    Ok(start.starts_with(b"\x89HDF") || start.ends_with(b"\x00\x02IM") || start.ends_with(b"\x02\x00MI"))
+}
+
+/// The table, its kind, and the description of the log called `log`.
+pub(super) fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
+    let ending = log.extension().and_then(|ending| ending.to_str());
+    let named = ENDINGS.iter().find(|(known, _)| Some(*known) == ending);
+    let stem =
+        if named.is_some() || ending == Some("toml") { log.with_extension("") } else { log.to_owned() };
+    let with = |ending: &str| {
+        let mut name = stem.clone().into_os_string();
+        name.push(".");
+        name.push(ending);
+        PathBuf::from(name)
+    };
+    let there =
+        || ENDINGS.iter().map(|(ending, kind)| (with(ending), *kind)).filter(|(path, _)| is_there(path));
+    let (table, kind) = match (named, there().next(), there().nth(1)) {
+        (Some((ending, kind)), ..) => (with(ending), *kind),
+        (None, Some((first, _)), Some((second, _))) => {
+            let problem = format!("there is both {} and {}", first.display(), second.display());
+            return Err(LogError::file(log, problem).help("name the one to read with its ending"));
+        }
+        (None, Some(only), None) => only,
+        (None, None, _) => {
+            let problem = format!(
+                "there is neither {} nor {}, nor one that ends in .mat, .h5, .hdf5, .npz or .npy",
+                with("parquet").display(),
+                with("csv").display()
+            );
+            let help = log.is_file().then_some(
+                "the ending of a table must be .parquet, .csv, .mat, .h5, .hdf5, .npz or .npy".to_owned(),
+            );
+            return Err(LogError::file(log, problem).help_if(help.filter(|_| ending != Some("toml"))));
+        }
+    };
+    let description = with("toml");
+    for (path, what) in [(&table, "table of samples"), (&description, "description of the log")] {
+        let metadata = std::fs::metadata(path).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound if path.is_symlink() => {
+                LogError::file(path, format!("is a link to nothing: the {what} was expected"))
+            }
+            io::ErrorKind::NotFound => LogError::file(path, format!("the {what} is not there"))
+                .help_if((path == &description).then(|| LEAST.into())),
+            _ => unreadable(path, &error),
+        })?;
+        if !metadata.is_file() {
+            return Err(LogError::file(path, format!("is not a regular file: the {what} was expected")));
+        }
+    }
+    Ok((table, kind, description))
+}
+
+/// Whether there is something by this name, were it a link to nothing.
+fn is_there(path: &Path) -> bool {
+    path.exists() || path.is_symlink()
+}
