@@ -57,7 +57,8 @@ fn send(rows: &mut Samples, to: &SyncSender<Message>) -> Option<()> {
             }
         }
         let last = samples.len() < CHUNK;
-        to.send(Some(Ok(Chunk { samples, position: Samples::position(rows), bridged: rows.bridged() }))).ok()?;
+        to.send(Some(Ok(Chunk { samples, position: Samples::position(rows), bridged: rows.bridged() })))
+            .ok()?;
         if let Some(fault) = fault {
             to.send(Some(Err(fault))).ok()?;
         }
