@@ -2,39 +2,25 @@
 //!
 //! `cargo bench --bench growth`.
 
+#[path = "case/wave.rs"]
+mod wave;
+
 use std::hint::black_box;
 
 use calib_core::{Conventional, Dim, Form, Shape, Ud};
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use rig::{Scenario, Simulation};
 use sinscal::{Calibration, Filter, FilterVisitor, Sample, Sins43B, Strapdown};
+use wave::Wave;
 
-/// A cycle of shape `S`: nothing of it is zero but two thirds of the measurement matrix.
+/// A cycle of shape `S`.
 fn cycle<S: Shape, C: Form>(c: &mut Criterion, form: &str, group: &str, by: usize) {
-    let wave = |i: usize, j: usize| ((i * 31 + j * 17) as f64).sin();
-    let (mut rows, mut noise) = (S::core_rows(0.0), S::core_matrix(0.0));
-    let (mut h, mut cov) = (S::measurement_rows(0.0), S::matrix(0.0));
-    for i in 0..S::CORE {
-        for j in 0..S::STATES {
-            rows[i][j] = 0.1 * wave(i, j) + f64::from(u8::from(i == j));
-        }
-        noise[i][i] = 0.1;
-    }
-    for m in 0..S::ROWS {
-        for j in (0..S::STATES).step_by(3) {
-            h[m][j] = wave(m, j);
-        }
-    }
-    let (r, z) = (S::measurement(0.5), S::measurement(0.1));
-    C::set_diagonal::<S, f64>(&mut cov, &S::vector(1.0));
-    C::propagate::<S, f64>(&mut cov, &rows, &noise);
+    let wave = Wave::<S>::new();
+    let start = (wave.start::<C>(), S::vector(0.0));
     c.benchmark_group(group).bench_function(BenchmarkId::new(form, by), |b| {
         b.iter_batched_ref(
-            || (cov.clone(), S::vector(0.0)),
-            |(cov, x)| {
-                C::propagate::<S, f64>(cov, &rows, &noise);
-                black_box(C::update::<S, f64>(cov, x, &h, &r, &z))
-            },
+            || start.clone(),
+            |(cov, x)| black_box(wave.cycle::<C>(cov, x)),
             BatchSize::SmallInput,
         );
     });

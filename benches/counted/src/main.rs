@@ -2,23 +2,46 @@
 
 #[path = "../../case/mod.rs"]
 mod case;
+#[path = "../../case/wave.rs"]
+mod wave;
 
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use calib_core::{Conventional, Form, Ud};
+use calib_core::{Conventional, Dim, Form, Shape, Ud};
 use case::{Case, N, case, cycle, factors};
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::{
     Calibration, InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Sins43B, Site,
 };
+use wave::Wave;
 
 /// Samples a second.
 const RATE: f64 = 200.0;
 
-/// Cycles of one form, each from the same start.
-fn cycles<C: Form>(case: &Case, start: &[[f64; N]; N], times: u32) -> f64 {
-    (0..times).map(|_| cycle::<C>(case, &mut black_box(*start))).sum()
+/// Cycles of one form, one after the other.
+fn cycles<C: Form>(case: &Case, mut p: [[f64; N]; N], times: u32) -> f64 {
+    (0..times).map(|_| cycle::<C>(case, black_box(&mut p))).sum()
+}
+
+/// Cycles of a filter of some size.
+fn grown<S: Shape, C: Form>(times: u32) -> f64 {
+    let wave = Wave::<S>::new();
+    let (mut cov, mut x) = (wave.start::<C>(), S::vector(0.0));
+    (0..times).map(|_| wave.cycle::<C>(black_box(&mut cov), &mut x)).sum()
+}
+
+/// [`grown`] with so many states, `None` where that size was not foreseen.
+fn states<C: Form>(states: &str, times: u32) -> Option<f64> {
+    macro_rules! sizes {
+        ($($n:literal),*) => {
+            match states {
+                $(stringify!($n) => Some(grown::<Dim<$n, 9, 6>, C>(times)),)*
+                _ => None,
+            }
+        };
+    }
+    sizes!(15, 21, 30, 36, 43, 60, 90)
 }
 
 /// Samples of a unit that stands for ten seconds, turns for ten, and so on, without reference.
@@ -66,16 +89,22 @@ fn navigate(times: u32) -> f64 {
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [what, times] = arguments.as_slice() else {
-        eprintln!("what (conventional, ud, navigation) and how many times");
+        eprintln!("what (conventional, ud, navigation, ud:NUMBER OF STATES, ...) and how many times");
         return ExitCode::from(2);
     };
     let Ok(times) = times.parse() else { return ExitCode::from(2) };
     let case = case();
-    let found = match what.as_str() {
-        "conventional" => cycles::<Conventional>(&case, &case.p, times),
-        "ud" => cycles::<Ud>(&case, &factors(&case.p), times),
-        "navigation" => navigate(times),
-        _ => return ExitCode::from(2),
+    let found = match what.split_once(':') {
+        None if what == "conventional" => Some(cycles::<Conventional>(&case, case.p, times)),
+        None if what == "ud" => Some(cycles::<Ud>(&case, factors(&case.p), times)),
+        None if what == "navigation" => Some(navigate(times)),
+        Some(("conventional", size)) => states::<Conventional>(size, times),
+        Some(("ud", size)) => states::<Ud>(size, times),
+        _ => None,
+    };
+    let Some(found) = found else {
+        eprintln!("no such thing: {what}");
+        return ExitCode::from(2);
     };
     println!("{found}");
     ExitCode::SUCCESS
