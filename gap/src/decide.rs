@@ -168,8 +168,7 @@ fn is_chance(
     threshold: f64,
 ) -> bool {
     let library = first.prices.worst(among.iter().copied()).map_or(0.0, |(_, score)| score.ln_p - threshold);
-    let loudest =
-        open.and_then(|o| o.loud(&[]).iter().map(|loud| o.beyond(loud)).min_by(f64::total_cmp));
+    let loudest = open.and_then(|o| o.loud(&[]).iter().map(|loud| o.beyond(loud)).min_by(f64::total_cmp));
     let most = loudest.map_or(library, |families| families.min(library));
     most < 0.0 && most > -WEAK && second.is_some_and(|s| is_silent(s, open, threshold))
 }

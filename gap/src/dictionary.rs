@@ -99,7 +99,8 @@ impl Triad {
         [("accelerometer", "accel-bias", ACCEL), ("gyro", "gyro-bias", GYRO)]
             .into_iter()
             .filter_map(|(name, bias, families)| {
-                let is = |c: &usize| recording.columns[*c].info.block == bias && recording.columns[*c].prior > 0.0;
+                let is =
+                    |c: &usize| recording.columns[*c].info.block == bias && recording.columns[*c].prior > 0.0;
                 let columns: Vec<usize> = (0..recording.columns.len()).filter(is).collect();
                 Some(Self { name, columns: columns.try_into().ok()?, families })
             })

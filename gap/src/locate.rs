@@ -22,7 +22,8 @@ const CHANNELS: [&str; 9] = ["vel_e", "vel_n", "vel_u", "pos_e", "pos_n", "pos_u
 pub(crate) fn locate(scene: &Scene, named: &[usize]) -> (Vec<Place>, Vec<Evidence>) {
     match scene.prices.posterior(named) {
         Some((mean, _)) if !named.is_empty() => {
-            map(scene, &Recorded(&scene.columns(named)), mean.as_slice(), &stretches(scene)).unwrap_or_default()
+            map(scene, &Recorded(&scene.columns(named)), mean.as_slice(), &stretches(scene))
+                .unwrap_or_default()
         }
         _ => Default::default(),
     }

@@ -80,7 +80,14 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Cholesky factor of `s`, applied to the rows of `yp` and `y`; `ln det s`, or nothing when it is not positive definite.
-pub(crate) fn whiten(s: &mut [f64], m: usize, yp: &mut [f64], n: usize, y: &mut [f64], nc: usize) -> Option<f64> {
+pub(crate) fn whiten(
+    s: &mut [f64],
+    m: usize,
+    yp: &mut [f64],
+    n: usize,
+    y: &mut [f64],
+    nc: usize,
+) -> Option<f64> {
     let mut log_det = 0.0;
     for i in 0..m {
         for j in 0..=i {
