@@ -5,7 +5,7 @@
 //! cargo run --release --example find_the_missing_effect
 //! ```
 
-use gap::{Candidates, Log, Options, diagnose_with};
+use gap::{Candidates, Diagnosis, Log, Options, diagnose_with};
 use hybrid_array::typenum::U64;
 use nalgebra::Vector3;
 use rig::{DitherMode, Scenario, Simulation};
@@ -65,15 +65,20 @@ fn run(number: u64) -> Result<(Vec<Sample>, rig::Description), rig::ScenarioErro
     Ok((samples, description))
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// Two runs of the unit, diagnosed.
+pub(crate) fn find(options: &Options) -> Result<Diagnosis, Box<dyn std::error::Error>> {
     let (first, second) = (run(0)?, run(1)?);
     let (here, there) = (first.1.setup(&[]), second.1.setup(&[]));
-    let found = diagnose_with::<Sins36P, Mine, U64>(
+    Ok(diagnose_with::<Sins36P, Mine, U64>(
         &Log { samples: &first.0, setup: &here },
         Some(&Log { samples: &second.0, setup: &there }),
-        &Options::default(),
+        options,
         &mut |stage, done| eprintln!("{:3.0} % {stage}", 100.0 * done),
-    )?;
+    )?)
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let found = find(&Options::default())?;
     println!("{}", found.sentence);
     for effect in &found.effects {
         println!("{}: {:?} {} from this run", effect.name, effect.estimate, effect.unit);

@@ -11,7 +11,7 @@ use sinscal::{FilterInfo, InitialAttitude, Sample};
 
 use crate::arguments::{self, Results};
 use crate::log::{ColumnMap, Log};
-use crate::report::diagnosis;
+use crate::report::diagnosis::{self, tenths};
 use crate::report::inputs::Inputs;
 use crate::{say, self_test, setup};
 
@@ -150,14 +150,27 @@ fn text(found: &Diagnosis) -> String {
         }
     }
     if !found.rivals.is_empty() {
-        let _ = writeln!(text, "\n{:28} {:>12} {:>12} {:>14}", "effect", "-log10 p", "after", "gain");
+        text.push_str("\nlog-likelihood that each effect gains by itself and on top of what was found, and what was found on top of it:\n");
+        let _ = writeln!(
+            text,
+            "\n{:28} {:>12} {:>12} {:>12} {:>12} {:>12}",
+            "effect", "by itself", "on top", "found adds", "-log10 p", "then"
+        );
         let mut rivals: Vec<_> = found.rivals.iter().collect();
         rivals.sort_by(|a, b| b.gain_alone.total_cmp(&a.gain_alone));
+        // what was found has no place on top of itself
+        let is_found = |name: &str| found.effects.iter().any(|effect| effect.name == name);
         for rival in rivals.into_iter().take(8) {
+            let other = |number: f64| if is_found(&rival.name) { "-".into() } else { tenths(number) };
             let _ = writeln!(
                 text,
-                "{:28} {:>12.1} {:>12.1} {:>14.1}",
-                rival.name, -rival.log10_p_before, -rival.log10_p_after, rival.gain_alone
+                "{:28} {:>12} {:>12} {:>12} {:>12} {:>12}",
+                rival.name,
+                tenths(rival.gain_alone),
+                other(rival.gain_on_top),
+                other(rival.chosen_on_top),
+                tenths(-rival.log10_p_before),
+                other(-rival.log10_p_after)
             );
         }
     }

@@ -269,7 +269,7 @@ fn report(
     notes(first, second, open, decision, &mut d);
     if let Some(white) = d.whiteness.filter(|w| w.log10_p_after < COLOURED) {
         d.notes.push(format!(
-            "what is left is not white noise (Ljung-Box p = 1e{:.0}): the errors of the reference or of the sensors are correlated in time",
+            "what is left is not white noise (Ljung-Box p = 1e{:.0}): the errors of the reference or of the sensors are correlated in time, or smaller than stated",
             white.log10_p_after
         ));
     }
@@ -341,7 +341,8 @@ fn rivals(first: &Scene, best: &[usize]) -> Vec<Rival> {
 }
 
 fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &Decision, d: &mut Diagnosis) {
-    let mut note = |text: String| d.notes.push(text);
+    let mut notes = core::mem::take(&mut d.notes);
+    let mut note = |text: String| notes.push(text);
     for (log, scene) in [("this log", Some(first)), ("the second log", second)] {
         let Some(Noise { gyro, accel, reference }) = scene.map(|s| s.noise) else { continue };
         for (what, scale) in [("gyros", gyro), ("accelerometers", accel), ("reference", reference)] {
@@ -362,7 +363,9 @@ fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
     if let Some(v) = &decision.verification {
         for (g, _) in decision.best.groups.iter().zip(&v.same).filter(|(_, same)| !**same) {
             let name = &first.prices.groups[*g].name;
-            note(format!("{name} has another value in the second log: see the estimates"));
+            let there = d.effects.iter().find(|e| e.name == *name).and_then(say::there);
+            let values = there.map_or(String::new(), |values| format!(": {values}"));
+            note(format!("{name} has another value in the second log{values}"));
         }
         let total = say::power(v.ln_e);
         note(format!("on the second log the set as a whole has the e-value {total}"));
@@ -370,7 +373,13 @@ fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
     if let Some(open) = open {
         for g in &decision.correlates {
             let gain = open.gain_on(*g, &decision.best.groups);
-            note(format!("{} gains {gain:.0} on top, in {}", open.prices.groups[*g].name, open.units[*g]));
+            if gain > 1.0 {
+                let (name, unit) = (&open.prices.groups[*g].name, &open.units[*g]);
+                note(format!(
+                    "{name}, in {unit}, gains {gain:.0} in log-likelihood on top of what is named here"
+                ));
+            }
         }
     }
+    d.notes = notes;
 }

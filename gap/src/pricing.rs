@@ -45,6 +45,16 @@ impl Pricing {
         Ok(Self { recording, noise, base, prices })
     }
 
+    /// Prices the catalogue again about the same trajectory, under another noise.
+    ///
+    /// # Errors
+    /// When that noise leaves an innovation covariance that is not positive definite.
+    pub fn reprice(&mut self, noise: Noise) -> Result<(), Error> {
+        let (base, prices) = noise::price(&self.recording, &noise).ok_or(Error::Indefinite { log: "log" })?;
+        (self.noise, self.base, self.prices) = (noise, base, prices);
+        Ok(())
+    }
+
     /// Names of the effects, in the order of the catalogue.
     pub fn effects(&self) -> impl Iterator<Item = &str> {
         self.prices.groups.iter().map(|g| g.name.as_str())

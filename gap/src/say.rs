@@ -7,15 +7,19 @@ use sinscal::effect;
 use crate::name::MARGIN;
 use crate::report::{Diagnosis, FoundEffect, Rival, Verdict};
 
-/// A value and its standard deviation in the unit of data sheets.
-fn value(name: &str, component: &str, unit: &str, value: f64, sigma: f64) -> String {
-    let (unit, scale) = effect(name).map_or((unit, 1.0), |e| (e.sheet_unit, e.sheet_scale));
-    let (v, s) = (value / scale, sigma / scale);
-    // two digits of the standard deviation
+/// Component `i` of an effect in the unit of data sheets, to two digits of its standard deviation, and that where it is asked for.
+fn value(found: &FoundEffect, i: usize, value: f64, spread: bool) -> String {
+    let (unit, scale) =
+        effect(&found.name).map_or((found.unit.as_str(), 1.0), |e| (e.sheet_unit, e.sheet_scale));
+    let (v, s) = (value / scale, found.sigma[i] / scale);
     let digits =
         if s > 0.0 && s.is_finite() { (1.0 - s.log10().floor()).clamp(0.0, 9.0) as usize } else { 3 };
-    let component = if component.is_empty() { "value" } else { component };
-    format!("{component} = {v:.digits$} +- {s:.digits$} {unit}")
+    let component = match found.components[i].as_str() {
+        "" => "value",
+        component => component,
+    };
+    let spread = if spread { format!(" +- {s:.digits$}") } else { String::new() };
+    format!("{component} = {v:.digits$}{spread} {unit}")
 }
 
 /// One effect with its equation and its values.
@@ -24,11 +28,16 @@ pub(crate) fn describe(found: &FoundEffect) -> String {
     if let Some(effect) = effect(&found.name) {
         let _ = write!(text, ", {}", effect.equation().trim_end_matches('.'));
     }
-    let values: Vec<String> = (0..found.estimate.len())
-        .map(|i| value(&found.name, &found.components[i], &found.unit, found.estimate[i], found.sigma[i]))
-        .collect();
+    let values: Vec<String> =
+        (0..found.estimate.len()).map(|i| value(found, i, found.estimate[i], true)).collect();
     let _ = write!(text, ": {}", values.join(", "));
     text
+}
+
+/// Its values in the second log.
+pub(crate) fn there(found: &FoundEffect) -> Option<String> {
+    let values = found.estimate_verify.as_ref()?.iter().enumerate();
+    Some(values.map(|(i, v)| value(found, i, *v, false)).collect::<Vec<_>>().join(", "))
 }
 
 /// e to the power of `ln`, as people write it.

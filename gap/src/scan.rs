@@ -120,3 +120,38 @@ impl Scan {
             .min_by(|a, b| a.1.total_cmp(&b.1))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+
+    use super::{CELLS, Scan, Stretch, cells};
+
+    #[test]
+    fn a_stretch_is_found_among_the_cells() {
+        // ten cells of three axes, each seen by itself with a standard deviation of a tenth
+        let lambda = DMatrix::<f64>::identity(30, 30) * 100.0;
+        let mut truth = DVector::zeros(30);
+        for cell in 4..7 {
+            truth[3 * cell + 1] = 0.5;
+        }
+        let scan = Scan::new(&lambda, 1);
+        let b = &lambda * truth;
+        let ((from, to), ln_p) = scan.most(b.as_slice()).unwrap();
+        assert_eq!((from, to), (4, 7));
+        // chi-squared of 3 x 25 with three degrees of freedom
+        assert!((ln_p - crate::ln_survival(75.0, 3)).abs() < 1e-9, "{ln_p}");
+        assert_eq!(scan.count(), 45);
+    }
+
+    #[test]
+    fn the_second_look_is_finer() {
+        let span = (100.0, 100.0 + 10.0 * CELLS as f64);
+        assert_eq!(cells(span).len(), CELLS + 1);
+        let bounds = Stretch { start: 150.0, end: 160.0, lasts: false }.finer(span);
+        assert!(bounds.windows(2).all(|w| w[1] > w[0] && w[1] - w[0] < 1.3), "{bounds:?}");
+        assert_eq!((bounds[0], bounds[bounds.len() - 1]), (140.0, 170.0));
+        let bounds = Stretch { start: 300.0, end: span.1, lasts: true }.finer(span);
+        assert_eq!(bounds[bounds.len() - 1], span.1);
+    }
+}

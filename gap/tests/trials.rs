@@ -83,6 +83,42 @@ fn what_is_in_no_library_gets_no_name() {
 }
 
 #[test]
+fn a_burst_is_found_where_it_is() {
+    let case = Case::with(22, "36d-p", Hidden::Outside("gyro bias for 60 s", 80.0)).unwrap();
+    let truth = case.burst().unwrap();
+    let d = case.diagnose(&QUICK).unwrap();
+    assert_eq!(case.grade(&d), Grade::Right, "{}", d.sentence);
+    assert!(d.correlates_with[0].starts_with("burst of the bias"), "{:?}", d.correlates_with);
+    let place = &d.r#where[0];
+    assert!(
+        (place.start_s - truth.0).abs() < 15.0 && (place.end_s - truth.1).abs() < 15.0,
+        "{place:?} {truth:?}"
+    );
+}
+
+#[test]
+fn an_effect_far_beyond_its_prior_is_named() {
+    let (d, grade) = diagnose(309, Hidden::Effects(vec!["gyro-bias-drift"], 340.0), &QUICK);
+    assert_eq!(grade, Grade::Right, "{}", d.sentence);
+    let size = d.effects[0].estimate.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    assert!(size > 50.0 * sinscal::effect("gyro-bias-drift").unwrap().prior_sigma, "{:?}", d.effects);
+}
+
+#[test]
+fn the_same_log_twice_confirms_nothing() {
+    let mut scenario = rig::Scenario::default().with_rate(20.0).unwrap().modelled_by::<sinscal::Sins36P>();
+    scenario.motion.still = 60.0;
+    scenario.motion.dwell = 20.0;
+    let simulation = rig::Simulation::new(&scenario, 3).unwrap();
+    let description = simulation.description().clone();
+    let samples: Vec<sinscal::Sample> = simulation.collect();
+    let setup = description.setup(&[]);
+    let log = gap::Log { samples: &samples, setup: &setup };
+    let d = gap::diagnose::<sinscal::Sins36P>(&log, Some(&log), &QUICK, &mut |_, _| {}).unwrap();
+    assert!(!d.verified && d.notes.iter().any(|n| n.contains("confirms nothing")), "{:?}", d.notes);
+}
+
+#[test]
 fn the_same_case_twice_is_the_same_trial() {
     let once = trial(4, &QUICK).unwrap();
     assert_eq!(once, trial(4, &QUICK).unwrap());

@@ -174,7 +174,7 @@ fn map(found: &Diagnosis) -> Option<Section> {
 }
 
 /// A number to a tenth, its zero without a sign.
-fn tenths(number: f64) -> String {
+pub(crate) fn tenths(number: f64) -> String {
     let text = format!("{number:.1}");
     if text == "-0.0" { "0.0".into() } else { text }
 }

@@ -55,6 +55,9 @@ const OUTSIDE: &[(&str, f64)] = &[
 
 const NOT_EXCITED: &[&str] = &["gyro-rate-nonlinearity", "dither-size-effect"];
 
+/// Purpose of the random numbers that say how large and where.
+const SIZE: &str = "blind/size";
+
 const DITHER: &str = "dither-size-effect";
 
 /// Filters that are diagnosed: those with position and velocity of a fixed point.
@@ -234,6 +237,15 @@ impl Case {
         }
     }
 
+    /// From when to when what is hidden lasts, s, where that is a minute.
+    pub fn burst(&self) -> Option<(f64, f64)> {
+        let Hidden::Outside(name, _) = self.hidden else { return None };
+        let (samples, description) = &self.logs[0];
+        let length = samples.len() as f64 / description.rate;
+        let start = drawn(&mut Stream::new(self.seed, SIZE)).1 * length;
+        name.contains("for 60 s").then_some((start, start + 60.0))
+    }
+
     /// At how many standard deviations the single hidden effect shows in the log, to a filter that is the declared one.
     pub(crate) fn strength(&self, d: &Diagnosis) -> Option<f64> {
         let Hidden::Effects(names, _) = &self.hidden else { return None };
@@ -303,7 +315,7 @@ fn simulate(
     } else {
         vec![(0.0, 33.0), (500.0, 22.0), (1200.0, 36.0), (2000.0, 24.0)]
     });
-    let mut stream = Stream::new(seed, "blind/size");
+    let mut stream = Stream::new(seed, SIZE);
     for name in names.iter().filter(|n| **n != DITHER) {
         let Some(effect) = effect(name) else { continue };
         let size = match hidden {
@@ -331,13 +343,20 @@ fn simulate(
     Ok(((samples, description), truth))
 }
 
+/// Direction of what is hidden, and after which part of the log it begins where it lasts a minute.
+fn drawn(stream: &mut Stream) -> (Vector3<f64>, f64) {
+    let direction = Vector3::new(stream.normal(), stream.normal(), stream.normal()).normalize();
+    (direction, 0.1 + 0.08 * stream.below(10) as f64)
+}
+
 /// Adds an error that no block models to the samples.
 fn hide(name: &str, strength: f64, rate: f64, samples: &mut [Sample], stream: &mut Stream) {
     let size = OUTSIDE.iter().find(|o| o.0 == name).map_or(0.0, |o| o.1) * strength;
-    let direction = Vector3::new(stream.normal(), stream.normal(), stream.normal()).normalize() * size;
+    let (direction, part) = drawn(stream);
+    let direction = direction * size;
     let dt = 1.0 / rate;
     let half = samples.len() / 2;
-    let minute = (0.1 + 0.08 * stream.below(10) as f64) * samples.len() as f64 * dt;
+    let minute = part * samples.len() as f64 * dt;
     let mut temperature = Vector3::repeat(25.0);
     let mut ended = f64::NEG_INFINITY;
     for (at, s) in samples.iter_mut().enumerate() {
