@@ -7,6 +7,7 @@ mod determinism;
 mod experiments;
 mod golden;
 mod kills;
+mod memory;
 mod other_inputs;
 mod outside_logs;
 mod simulate;
