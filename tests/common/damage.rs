@@ -1,7 +1,7 @@
 //! Damaged copies of sound files, for fuzzing whatever reads them.
 //!
 //! Every fuzz test runs a couple of hundred cases with the other tests. A longer run of all of them:
-//! `PROPTEST_CASES=100000 cargo test --release --workspace fuzz`.
+//! `PROPTEST_RNG_SEED=$RANDOM PROPTEST_CASES=100000 cargo test --release --workspace fuzz`.
 
 use proptest::prelude::*;
 use proptest::sample::{Index, select};

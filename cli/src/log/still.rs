@@ -122,7 +122,7 @@ impl Stillness {
             return Ok(());
         }
         if felt < earth::ROTATION_RATE - spread {
-            return Err(fault(says).help(format!("{ANGLE}, the Earth's rate not taken out")));
+            return Err(fault(says).help(ANGLE));
         }
         if off(site.latitude) < LATITUDE + noise / earth::ROTATION_RATE {
             return Ok(());
@@ -178,7 +178,8 @@ impl Stillness {
 }
 
 const VELOCITY: &str = "velocity increments over one interval are expected, in m/s";
-const ANGLE: &str = "angle increments over one interval are expected, in rad";
+const ANGLE: &str = "angle increments over one interval are expected, in rad, the Earth's rate not taken out; gyros that err \
+                     by so much need a larger sigma of gyro-bias in [prior]";
 
 /// What is `ratio` times too large when a velocity increment in m/s was expected, at `rate` Hz.
 pub(super) fn force_unit(ratio: f64, rate: f64) -> Option<String> {

@@ -10,6 +10,7 @@ mod golden;
 mod guide;
 mod kills;
 mod manners;
+mod memory;
 mod other_inputs;
 mod outside_logs;
 mod simulate;

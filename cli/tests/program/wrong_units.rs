@@ -1,8 +1,11 @@
 //! Logs whose every number is plausible and which are wrong as a whole: other units, other orders, other places. A unit that
 //! stands still must feel gravity and the Earth's rate.
 
+use std::fs;
+use std::process::Command;
+
 use crate::broken_inputs::{Break, check};
-use crate::support::{Done, RATE};
+use crate::support::{DESCRIPTION, Done, RATE, Table};
 use Break::{Both, Rows, Toml};
 
 #[test]
@@ -11,7 +14,7 @@ fn units_of_angle_increments() -> Done {
         "the unit turns by 861.7897 deg/h, the Earth by 15.04: this looks like degrees, not rad";
     const COLUMNS: &str =
         "log.csv, column `dtheta_x`, `dtheta_y`, `dtheta_z`: standing still for its first 8 s";
-    fn scaled(t: &mut crate::support::Table, by: f64) {
+    fn scaled(t: &mut Table, by: f64) {
         t.map("dtheta_*", |_, angle| angle * by);
     }
     check(vec![
@@ -38,7 +41,7 @@ fn units_of_angle_increments() -> Done {
 
 #[test]
 fn units_of_velocity_increments() -> Done {
-    fn scaled(t: &mut crate::support::Table, by: f64) {
+    fn scaled(t: &mut Table, by: f64) {
         t.map("dvel_*", |_, velocity| velocity * by);
     }
     check(vec![
@@ -81,7 +84,7 @@ fn units_of_time() -> Done {
 #[test]
 fn orders_and_places() -> Done {
     // y points up and z south
-    fn tipped(t: &mut crate::support::Table) {
+    fn tipped(t: &mut Table) {
         for triad in ["dtheta", "dvel"] {
             let (y, z) = (format!("{triad}_y"), format!("{triad}_z"));
             t.rename(&y, "aside");
@@ -137,4 +140,25 @@ fn orders_and_places() -> Done {
             &["is 0.56", "shows about 32", "this looks like rad"],
         ),
     ])
+}
+
+/// No fault, but worth a word: between two samples so far apart too much happens.
+#[test]
+fn a_rate_too_low_for_the_turns_is_said() -> Done {
+    let folder = tempfile::tempdir()?;
+    fs::write(folder.path().join("log.toml"), DESCRIPTION)?;
+    for (turn, said) in [(0.06, true), (0.04, false)] {
+        let mut table = Table::at_rest(400);
+        table.map("dtheta_z", |_, angle| angle + turn);
+        table.write_csv(&folder.path().join("log.csv"))?;
+        let run = Command::new(env!("CARGO_BIN_EXE_sinscal"))
+            .args(["calibrate", "log", "--filter", "36d-p"])
+            .current_dir(folder.path())
+            .output()?;
+        let message = String::from_utf8_lossy(&run.stderr);
+        assert!(run.status.success(), "{message}");
+        let warned = message.contains("turns by up to 3.4 deg from one sample to the next");
+        assert_eq!(warned, said, "{message}");
+    }
+    Ok(())
 }
