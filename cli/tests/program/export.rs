@@ -30,8 +30,11 @@ fn text(format: &str) -> Result<String, Box<dyn std::error::Error>> {
     Ok(String::from_utf8(output.stdout)?)
 }
 
-/// Name, component, value and sigma of whatever was estimated.
-fn estimates() -> Result<Vec<(String, String, f64, f64)>, Box<dyn std::error::Error>> {
+/// Name, component, value and sigma.
+type Estimate = (String, String, f64, f64);
+
+/// Whatever was estimated.
+fn estimates() -> Result<Vec<Estimate>, Box<dyn std::error::Error>> {
     let document: Value = serde_json::from_slice(&fs::read(folder().join("calibration.json"))?)?;
     let parameters = document["parameters"].as_array().ok_or("no parameters")?;
     let read = |parameter: &Value| {
@@ -105,7 +108,7 @@ fn the_header_compiles_and_holds_the_same_numbers() -> Done {
     let output = export(&["calibration.json", "--format", "c", "--out", header.to_str().ok_or("no text")?])?;
     assert!(output.status.success() && output.stdout.is_empty());
     let estimates = estimates()?;
-    let name = |(name, component, ..): &(String, String, f64, f64)| {
+    let name = |(name, component, ..): &Estimate| {
         format!("SINSCAL_{name}_{component}").replace('-', "_").to_uppercase()
     };
     let prints =
