@@ -80,7 +80,7 @@ fn cell(cell: &Cell) -> Value {
         Cell::Number(text) => context! { kind => "number", text },
         Cell::Bar(part, text) => context! { kind => "bar", part => percent(*part), text },
         Cell::Heat(part, text) => {
-            context! { kind => "heat", part => percent(*part), strong => *part > 0.5, text }
+            context! { kind => "heat", part => percent(*part), strong => *part > 0.6, full => *part > 0.9, text }
         }
         Cell::Interval(Interval { prior, interval, estimate, truth, mark, text }) => context! {
             kind => "interval", text,

@@ -95,7 +95,7 @@ pub(super) fn svg(table: &Table) -> String {
                         width + GAP - 2.0,
                         ROW - 2.0
                     );
-                    let ink = if part > 0.5 { "\" style=\"fill:#ffffff" } else { "" };
+                    let ink = if part > 0.9 { "\" style=\"fill:#ffffff" } else { "" };
                     text(&mut svg, left + (width + GAP) / 2.0, y + 0.7 * ROW, ink, "middle", words);
                 }
                 Cell::Interval(interval) => draw(&mut svg, interval, left, *width, y),
