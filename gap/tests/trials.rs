@@ -104,6 +104,29 @@ fn an_effect_far_beyond_its_prior_is_named() {
     assert!(size > 50.0 * sinscal::effect("gyro-bias-drift").unwrap().prior_sigma, "{:?}", d.effects);
 }
 
+/// Ten to a hundred times the prior; two minutes.
+#[test]
+#[ignore = "eleven trials: run with --release -- --ignored"]
+fn every_kind_of_effect_far_beyond_its_prior_is_named() {
+    let large = [
+        ("accel-temperature-bias", 3000.0),
+        ("accel-temperature-rate", 2100.0),
+        ("accel-temperature-scale", 5000.0),
+        ("gyro-temperature-bias", 1800.0),
+        ("gyro-g-sensitivity", 1000.0),
+        ("accel-cubic", 5000.0),
+        ("accel-cross-coupling", 5000.0),
+        ("accel-bias-drift", 5000.0),
+        ("gyro-bias-drift", 340.0),
+        ("inner-lever-arm", 3450.0),
+        ("accel-delay", 13900.0),
+    ];
+    for (seed, (name, strength)) in (301..).zip(large) {
+        let (d, grade) = diagnose(seed, Hidden::Effects(vec![name], strength), &QUICK);
+        assert_eq!(grade, Grade::Right, "{name}: {}", d.sentence);
+    }
+}
+
 #[test]
 fn the_same_log_twice_confirms_nothing() {
     let mut scenario = rig::Scenario::default().with_rate(20.0).unwrap().modelled_by::<sinscal::Sins36P>();
