@@ -5,14 +5,16 @@ use sinscal::Strapdown;
 
 use crate::decide::{Decision, decide};
 use crate::declaration::declaration;
+use crate::error::{Error, FIRST, SECOND};
 use crate::excite::indistinguishable;
 use crate::linear::Noise;
 use crate::locate::{locate, locate_family};
 use crate::open::Open;
+use crate::parallel::both;
 use crate::report::{Diagnosis, FoundEffect, NoiseScale, Rival, Verdict};
 use crate::rerun::rerun;
 use crate::run::{Declared, Log, Machine};
-use crate::scene::{EXCITED, Scene, SceneError};
+use crate::scene::{EXCITED, Scene};
 use crate::white::whiteness;
 use crate::{CandidateStates, Candidates, say, threshold};
 
@@ -33,48 +35,8 @@ impl Default for Options {
     }
 }
 
-/// Why a log cannot be diagnosed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Error {
-    /// A filter diverged.
-    #[error("{log}: {source}")]
-    Diverged {
-        /// Which log.
-        log: &'static str,
-        /// When.
-        source: sinscal::Diverged,
-    },
-    /// Too little to judge by.
-    #[error("{log}: {updates} updates by the reference are too few to judge by; at least 100 are needed")]
-    TooShort {
-        /// Which log.
-        log: &'static str,
-        /// Updates there are.
-        updates: usize,
-    },
-    /// The linear run broke down.
-    #[error("{log}: the innovation covariance is not positive definite; check the stated noise")]
-    Indefinite {
-        /// Which log.
-        log: &'static str,
-    },
-}
-
-impl Error {
-    pub(crate) fn of(log: &'static str, error: SceneError) -> Self {
-        match error {
-            SceneError::Diverged(source) => Self::Diverged { log, source },
-            SceneError::TooShort { updates } => Self::TooShort { log, updates },
-            SceneError::Indefinite => Self::Indefinite { log },
-        }
-    }
-}
-
 /// log10 of a p-value of whiteness that is worth a note.
 const COLOURED: f64 = -6.0;
-
-pub(crate) const FIRST: &str = "log";
-pub(crate) const SECOND: &str = "verification log";
 
 /// Diagnoses `log` with the declared filter `F` against the catalogue, and asks `verify` where there is one.
 ///
@@ -136,15 +98,6 @@ macro_rules! named {
 }
 
 named!(Sins36P, Sins39P, Sins40P, Sins43P, Sins43B, Mems30, Tracked35);
-
-/// Two things at once.
-pub(crate) fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B) -> (Option<A>, B) {
-    std::thread::scope(|scope| {
-        let other = scope.spawn(a);
-        let mine = b();
-        (other.join().ok(), mine)
-    })
-}
 
 /// Whether two logs are one and the same.
 fn is_same(one: &Log, other: &Log) -> bool {

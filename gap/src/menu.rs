@@ -6,9 +6,9 @@ use rig::scenario::Path;
 use rig::{DitherMode, Scenario, ScenarioError, Simulation, TemperatureProfile};
 use sinscal::{Sample, Strapdown};
 
-use crate::diagnose::both;
 use crate::excite::information;
 use crate::linear::Noise;
+use crate::parallel::both;
 use crate::prices::Prices;
 use crate::run::{Declared, Log, Machine};
 use crate::scene::{EXCITED, SceneError};

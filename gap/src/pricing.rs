@@ -3,7 +3,7 @@
 use calib_core::{Extended, Filter};
 use sinscal::Strapdown;
 
-use crate::diagnose::Error;
+use crate::error::Error;
 use crate::linear::{Noise, Recorded, run};
 use crate::noise;
 use crate::prices::Prices;

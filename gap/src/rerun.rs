@@ -1,8 +1,9 @@
 //! What was named is added and really run: the gap before and after.
 
 use crate::decide::Decision;
-use crate::diagnose::{Error, FIRST, SECOND, both};
+use crate::error::{Error, FIRST, SECOND};
 use crate::linear::{FreeRun, Recorded, run_free};
+use crate::parallel::both;
 use crate::report::{Diagnosis, Gap, Horizontal, LogGap};
 use crate::run::{Log, Machine, Ran};
 use crate::scene::{Scene, SceneError};

@@ -30,6 +30,8 @@ use super::fields::{self, Document, Must, Section};
 /// Descriptions are small; what is larger is some other file.
 const LARGEST: u64 = 1 << 20;
 
+/// A quaternion's norm may differ from 1 by this much; it is normalised then.
+pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
 /// Sensors lie within this many degC, and so do their reference temperatures.
 pub(super) const TEMPERATURES: (f64, f64) = (-80.0, 150.0);
 
@@ -255,7 +257,7 @@ fn read_initial(doc: &mut Document<'_>, section: Section<'_>) -> Option<InitialA
     let [w, x, y, z] = doc.list::<4>(section, "quaternion_wxyz", Must::BeFinite)?;
     let quaternion = Quaternion::new(w, x, y, z);
     let norm = quaternion.norm();
-    if (norm - 1.0).abs() > super::rows::UNIT_TOLERANCE {
+    if (norm - 1.0).abs() > UNIT_TOLERANCE {
         let problem = format!("has norm {norm:.6}, a unit quaternion was expected (within 0.001)");
         doc.refuse(span, &field, &problem, Some("the order is w, x, y, z; w is the scalar".into()));
         return None;

@@ -7,8 +7,9 @@ use rig::suggest;
 use super::columns::{Batch, Group, NAMES};
 use super::fault::LogError;
 use super::map::{ColumnMap, Entry, Unit};
-use super::rows::LONGEST_STEP;
 
+/// A step longer than this many sampling intervals is a gap.
+pub(super) const LONGEST_STEP: f64 = 1.5;
 /// The seven columns `[wm vm t]` of PSINS.
 const PSINS: (&str, usize) = ("imu", 7);
 /// So many names of a foreign file are told.

@@ -6,15 +6,11 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use sinscal::{Reference, Sample};
 
 use super::columns::{Batch, Group};
-use super::description::{Description, TEMPERATURES};
+use super::description::{Description, TEMPERATURES, UNIT_TOLERANCE};
 use super::fault::LogError;
-use super::layout::Layout;
+use super::layout::{LONGEST_STEP, Layout};
 use super::still::{STANDARD_GRAVITY, force_unit};
 
-/// A quaternion's norm may differ from 1 by this much; it is normalised then.
-pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
-/// A step longer than this many sampling intervals is a gap.
-pub(super) const LONGEST_STEP: f64 = 1.5;
 /// Median and mean step may differ from the nominal interval by this fraction.
 const RATE_TOLERANCE: f64 = 0.02;
 /// Fewer steps than this say nothing about the rate.

@@ -204,7 +204,12 @@ fn the_module_compensates_as_the_library_does() -> Done {
             "{row}: {}",
             (library.dtheta / dt - omega).norm()
         );
-        assert!((library.dvel / dt - f).norm() < 1e-13, "{row}: {}", (library.dvel / dt - f).norm());
+        // the library stops when a round moves the force by less than 1e-10 of it; what is left is a thousandth of that
+        assert!(
+            (library.dvel / dt - f).norm() < 1e-13 * f.norm(),
+            "{row}: {}",
+            (library.dvel / dt - f).norm()
+        );
     }
     Ok(())
 }
