@@ -1,16 +1,19 @@
 //! The closed-loop calibration run: navigation, sensitivities and filter over a log.
 
-use calib_core::{
-    Array, Conventional, CoreVector, Dynamics, Fade, Filter, Form, Kalman, Matrix, Residuals, Shape,
-    StateInfo, Transition, Vector,
-};
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+mod estimates;
+mod update;
 
+use calib_core::{
+    Conventional, CoreVector, Fade, Filter, Form, Kalman, Shape, StateInfo, Transition, Vector,
+};
+use nalgebra::{Matrix3, Vector3};
+
+use self::update::has_reference;
 use crate::compensation::Compensator;
-use crate::gate::{Gate, Verdict};
-use crate::outcome::{Diverged, Parameter, Statistics, Update};
+use crate::gate::Gate;
+use crate::outcome::{Diverged, Statistics, Update};
 use crate::strapdown::{Before, Increments, NavigationState};
-use crate::{Event, Observer, Point, Reference, Refusal, Sample, Setup, Signals, Strapdown, earth};
+use crate::{Event, Observer, Point, Sample, Setup, Signals, Strapdown, earth};
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
 const STEP_ANGLE: f64 = 0.02;
@@ -23,12 +26,6 @@ const INITIAL_VELOCITY_SIGMA: f64 = 0.5;
 /// Standard deviation of the position at the first sample, m. Wide on purpose: the first position update then leaves
 /// exactly the correlation between position and outer lever arm that `p = p_ref - C l` implies.
 const INITIAL_POSITION_SIGMA: f64 = 10.0;
-/// A parameter counts as estimated when the data say at least as much about it as its prior, that is when its standard
-/// deviation fell below this fraction (1/sqrt 2) of the prior's.
-const ESTIMATED: f64 = core::f64::consts::FRAC_1_SQRT_2;
-
-/// First of the three leading states that each channel group measures: velocity, position, attitude.
-const MEASURED: [usize; 3] = [3, 6, 0];
 
 /// A closed-loop calibration with the declared filter `F`, its covariance in form `C`.
 ///
@@ -314,154 +311,6 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         self.feed_back(false, observer);
     }
 
-    fn update(
-        &mut self,
-        sample: &Sample,
-        signals: &Signals<f64>,
-        observer: &mut impl Observer<F>,
-    ) -> Result<Option<Update>, Diverged> {
-        let at = self.point(self.navigation.c_bn(), self.navigation.attitude * signals.force, &signals.rate);
-        let mut residuals = self.residuals(&sample.reference, &at);
-        if residuals.is_empty() {
-            return Ok(None);
-        }
-        // half a sample of slack, so that rounding of the time stamps does not skip a reading
-        self.next_update = sample.time + 1.0 / self.setup.update_rate - 0.5 / self.setup.rate;
-        let mut repeated = self.gate.repeats(&sample.reference);
-        for group in 0..Strapdown::CHANNELS.len() {
-            match F::MEASURES.iter().position(|measured| *measured == group) {
-                Some(measured) if repeated & 1 << group != 0 => residuals.leave_out(measured),
-                Some(_) => {}
-                None => repeated &= !(1 << group),
-            }
-        }
-        self.statistics.repeated += repeated.count_ones() as usize;
-        let diverged = |channel| Diverged { time: sample.time, channel };
-        let rejected = self.judge(&at, signals, &mut residuals, observer).map_err(diverged)?;
-        for (groups, why) in [(repeated, Refusal::Repeated), (rejected, Refusal::Outlier)] {
-            for (bit, group) in Strapdown::CHANNELS.iter().enumerate() {
-                if groups & 1 << bit != 0 {
-                    observer.observe::<C>(Event::Refused { time: sample.time, group: group.name, why });
-                }
-            }
-        }
-        self.statistics.rejected += rejected.count_ones() as usize;
-        if residuals.is_empty() {
-            return Ok(None);
-        }
-        observer.observe::<C>(Event::Measured { time: sample.time, at: &at, signals, residuals: &residuals });
-        let before = self.kalman.x().clone();
-        let all = |_| diverged("the reference");
-        if let Some(pilot) = &mut self.pilot {
-            pilot.update(&at, signals, residuals.clone(), None).map_err(all)?;
-        }
-        let found = self.kalman.update(&at, signals, residuals, None).map_err(all)?;
-        if !found.nis.is_finite() || !self.kalman.x().as_slice().iter().all(|x| x.is_finite()) {
-            return Err(diverged("the reference"));
-        }
-        let mut change = self.kalman.x().clone();
-        for i in 0..F::Shape::STATES {
-            change[i] -= before[i];
-        }
-        self.feed_back(self.pilot.is_none(), observer);
-        let navigation = &self.navigation();
-        observer.observe::<C>(Event::Updated { time: sample.time, change: &change, navigation });
-        self.statistics.updates += 1;
-        self.statistics.degrees_of_freedom += found.degrees_of_freedom;
-        self.statistics.nis += found.nis;
-        self.statistics.log_likelihood += found.log_likelihood;
-        Ok(Some(Update {
-            time: sample.time,
-            nis: found.nis,
-            degrees_of_freedom: found.degrees_of_freedom,
-            rejected,
-        }))
-    }
-
-    /// Takes out of the residuals what the gate refuses, as bits of the dynamics' channel groups.
-    fn judge(
-        &mut self,
-        at: &Point<f64>,
-        signals: &Signals<f64>,
-        residuals: &mut Residuals<F, f64>,
-        observer: &mut impl Observer<F>,
-    ) -> Result<u32, &'static str> {
-        let mut rejected = 0;
-        let mut reopened = 0;
-        let mut lost = None;
-        let gate = &mut self.gate;
-        let sound = self.kalman.innovations(at, signals, residuals, |measured, nis| {
-            let group = F::MEASURES[measured];
-            if !nis.is_finite() {
-                lost = Some(Strapdown::CHANNELS[group].name);
-            }
-            match gate.judge(group, nis) {
-                Verdict::Use => {}
-                Verdict::Refuse => rejected |= 1 << group,
-                Verdict::Reopen => reopened |= 1 << group,
-            }
-        });
-        if sound.is_err() || lost.is_some() {
-            return Err(lost.unwrap_or("the reference"));
-        }
-        for (measured, group) in F::MEASURES.iter().enumerate() {
-            if rejected & 1 << group != 0 {
-                residuals.leave_out(measured);
-            }
-            if reopened & 1 << group != 0 {
-                self.statistics.reopened += 1;
-                self.open(MEASURED[*group], observer);
-            }
-        }
-        Ok(rejected)
-    }
-
-    /// Opens three leading states as wide as they were at the first sample.
-    fn open(&mut self, first: usize, observer: &mut impl Observer<F>) {
-        let mut variances = F::Shape::core_vector(0.0);
-        for i in first..first + 3 {
-            variances[i] = self.prior[i] * self.prior[i];
-        }
-        self.kalman.widen(&variances);
-        if let Some(pilot) = &mut self.pilot {
-            pilot.widen(&variances);
-        }
-        observer.observe::<C>(Event::Widened(&variances));
-        observer.observe(Event::Moved(&self.kalman));
-    }
-
-    /// Residuals `computed - reference`, by the estimates of the blocks that act on the measurement.
-    fn residuals(&self, reference: &Reference, at: &Point<f64>) -> Residuals<F, f64> {
-        let mut expected = [0.0; 9];
-        // the direct effect of a block's estimate is minus that of its remaining error; the first guess of the lever arm
-        // is no state and stands in `point_velocity` and `point_position`
-        F::measurement_jacobian(at, &mut |channel, state, value| {
-            expected[channel] -= value * self.parameters[state];
-        });
-        let expected = |first: usize| Vector3::new(expected[first], expected[first + 1], expected[first + 2]);
-        let mut residuals = Residuals::<F, f64>::default();
-        let guess = at.c_bn * self.setup.outer_lever;
-        let guess_velocity = at.c_bn * at.rate_eb.cross(&self.setup.outer_lever);
-        let sigma = &self.setup.reference;
-        let mut set = |first: usize, z: Vector3<f64>, sigma: f64| {
-            for i in 0..3 {
-                residuals.set(first + i, z[i], sigma);
-            }
-        };
-        if let Some(velocity) = reference.velocity {
-            set(0, at.velocity + guess_velocity + expected(0) - velocity, sigma.velocity);
-        }
-        if let Some(position) = reference.position {
-            set(3, at.position + guess + expected(3) - position, sigma.position);
-        }
-        if let Some(attitude) = &reference.attitude {
-            // C_hat = (I - [z x]) C_ref
-            let z = -(self.navigation.attitude * attitude.inverse()).scaled_axis();
-            set(6, z + expected(6), sigma.attitude);
-        }
-        residuals
-    }
-
     /// Puts the estimated navigation errors into the navigation solution, those of the pilot if there is one, and if
     /// asked the parameters into theirs.
     fn feed_back(&mut self, parameters: bool, observer: &mut impl Observer<F>) {
@@ -517,73 +366,4 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             point_position: position + c_bn * lever,
         }
     }
-
-    /// Visits the parameters in the order of the declaration.
-    pub fn parameters(&self, visit: &mut dyn FnMut(Parameter)) {
-        let mut i = 0;
-        F::states(&mut |info| {
-            if i >= F::Shape::CORE {
-                let sigma = self.kalman.sigma(i);
-                visit(Parameter {
-                    info,
-                    value: self.value(i),
-                    sigma,
-                    prior_sigma: self.prior[i],
-                    estimated: sigma < ESTIMATED * self.prior[i],
-                });
-            }
-            i += 1;
-        });
-    }
-
-    /// Estimate of state `i` as people know it: the outer lever arm includes its first guess.
-    fn value(&self, i: usize) -> f64 {
-        let guess = match self.lever_at {
-            Some(at) if (at..at + 3).contains(&i) => self.setup.outer_lever[i - at],
-            _ => 0.0,
-        };
-        guess + self.parameters[i] + self.kalman.x()[i]
-    }
-
-    /// Parameter estimates by state; the leading states are zero. What [`Compensator::compensate`] takes.
-    pub fn estimate(&self) -> Vector<F, f64> {
-        let mut estimate = self.parameters.clone();
-        for i in F::Shape::CORE..F::Shape::STATES {
-            estimate[i] += self.kalman.x()[i];
-        }
-        estimate
-    }
-
-    /// Covariance of the navigation errors and of the parameters.
-    pub fn covariance(&self) -> Matrix<F, f64> {
-        self.kalman.covariance()
-    }
-
-    /// The navigation solution at the last sample, with all that the filter knows.
-    pub fn navigation(&self) -> NavigationState<f64> {
-        let x = self.kalman.x();
-        let part = |first: usize| Vector3::new(x[first], x[first + 1], x[first + 2]);
-        let mut navigation = self.navigation;
-        navigation.correct(&part(0), &part(3), &part(6));
-        navigation
-    }
-
-    /// Position of the IMU from the site origin in n at the last sample, m.
-    pub fn position(&self) -> Vector3<f64> {
-        self.navigation().position(&self.setup.site)
-    }
-
-    /// Attitude at the last sample.
-    pub fn attitude(&self) -> UnitQuaternion<f64> {
-        self.navigation().attitude
-    }
-
-    /// Sums over the updates of this pass.
-    pub fn statistics(&self) -> &Statistics {
-        &self.statistics
-    }
-}
-
-fn has_reference(reference: &Reference) -> bool {
-    reference.velocity.is_some() || reference.position.is_some() || reference.attitude.is_some()
 }
