@@ -92,7 +92,7 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
         let mut put = |r: usize, first: usize, values: &[T]| {
             columns[r].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
         };
-        let size = (last - j, S::CORE);
+        let size = (core::hint::black_box(last - j), S::CORE);
         if M::WIDE {
             blocks::<M, T, _, COLUMNS, 8, false>(size, &left, across.as_slice(), &(0..last), &mut put);
         } else {
