@@ -309,13 +309,17 @@ fn turn_rows<S: Shape, T: Real, M: Machine, const R: usize, const C: usize>(
     let mut g = [[T::zero(); C]; R];
     for j in i..S::STATES {
         if let Some(column) = cov[j].as_mut_slice()[i..].first_chunk_mut::<C>() {
+            let mut turned = *column;
             for l in 0..R {
+                let u = turned;
                 for c in 0..C {
-                    let u = column[c];
-                    column[c] = M::add_product(u, g[l][c], pulls[j][l]);
-                    g[l][c] = M::add_product(g[l][c], u, v[j][l]);
+                    turned[c] = M::add_product(u[c], g[l][c], pulls[j][l]);
+                }
+                for c in 0..C {
+                    g[l][c] = M::add_product(g[l][c], u[c], v[j][l]);
                 }
             }
+            *column = turned;
         }
     }
     for l in 0..R {
