@@ -10,7 +10,7 @@ cd "$(dirname "$0")/counted"
 
 #       what         few  many  at most
 bounds="conventional 100  1100  40700
-        ud           100  1100  49500
+        ud           100  1100  47600
         navigation   2000 42000 3100"
 
 if ! command -v valgrind > /dev/null; then

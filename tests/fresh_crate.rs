@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::time::Instant;
 
 /// Fewer than 15 lines, as the front page promises.
 const PROGRAM: &str = r#"use sinscal::prelude::*;
@@ -17,6 +18,32 @@ struct Mine {
     accel: AccelErrors,
 }
 fn main() { println!("{} {}", Mine::NAME, Mine::DIM) }
+"#;
+
+/// 43 states, and all that a pass over a log runs.
+const WHOLE: &str = r#"use sinscal::prelude::*;
+use sinscal::{Calibration, Sample, Setup};
+
+#[derive(StateBlocks)]
+#[filter(measures(velocity, position))]
+struct Mine {
+    attitude: Attitude,
+    velocity: Velocity,
+    position: Position,
+    gyro: GyroErrors,
+    accel: AccelErrors,
+    outer_lever: OuterLeverArm,
+    inner_lever: InnerLeverArm,
+    delay: AccelDelay,
+    temperature: AccelTemperatureScale,
+    dither: Dither,
+}
+fn pass(setup: &Setup, samples: &[Sample]) -> f64 {
+    let mut run = Box::new(Calibration::<Mine>::new(setup));
+    let whole = samples.iter().all(|sample| run.step(sample).is_ok());
+    if whole { run.statistics().nis } else { f64::NAN }
+}
+fn main() { std::hint::black_box(pass as fn(&Setup, &[Sample]) -> f64); println!("{}", Mine::DIM) }
 "#;
 
 /// A block twice, a coupling without what it acts through, a measurement that does not exist.
@@ -49,10 +76,16 @@ fn crate_with(name: &str, program: &str) -> PathBuf {
 }
 
 fn run(dir: &Path) -> Output {
+    cargo(dir, &["run", "--quiet"])
+}
+
+fn cargo(dir: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO"))
-        .args(["run", "--quiet"])
+        .args(arguments)
         .current_dir(dir)
         .env("CARGO_TARGET_DIR", dir.join("target"))
+        // what it takes to compile is not what it takes to find that nothing has changed
+        .env("CARGO_INCREMENTAL", "0")
         .output()
         .expect("cargo runs")
 }
@@ -77,4 +110,26 @@ fn three_mistakes_are_three_errors() {
     // the last "error" is cargo's own summary
     let errors = err.lines().filter(|line| line.starts_with("error")).count();
     assert_eq!(errors, 4, "{err}");
+}
+
+#[test]
+#[ignore = "builds a crate from scratch, twice; run with `cargo test --test fresh_crate -- --ignored --nocapture compile_time`"]
+fn compile_time_of_43_states_on_built_dependencies() {
+    let dir = crate_with("whole-filter", WHOLE);
+    for profile in ["dev", "release"] {
+        let build = || {
+            let start = Instant::now();
+            let output = cargo(&dir, &["build", "--quiet", "--profile", profile]);
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            start.elapsed().as_secs_f64()
+        };
+        build();
+        // the least of three: other work on the machine only adds
+        let mut least = f64::INFINITY;
+        for change in 0..3 {
+            std::fs::write(dir.join("src/main.rs"), format!("{WHOLE}// {change}\n")).expect("a program");
+            least = least.min(build());
+        }
+        println!("{profile}: {least:.1} s");
+    }
 }

@@ -29,26 +29,29 @@ fn through_u<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::Vector<T>) -> S::Vect
     f
 }
 
-/// U D U' factors of the noise in its leading block, stored like the covariance; a zero pivot is no noise.
-fn factor<S: Shape, T: Real>(noise: &S::CoreMatrix<T>) -> S::CoreMatrix<T> {
+/// U D U' factors of the noise in its leading block: U stored like the covariance, but for its ones, and D. A zero pivot is no
+/// noise. What stands above the diagonal is computed with and thrown away, so that rows are taken whole.
+#[inline(always)]
+fn factor<S: Shape, T: Real, M: Machine>(noise: &S::CoreMatrix<T>) -> (S::CoreMatrix<T>, S::CoreVector<T>) {
     let mut q = noise.clone();
+    let mut weights = S::core_vector(T::zero());
     for j in (0..S::CORE).rev() {
-        let d = q[j][j];
-        let inverse = if d > T::zero() { T::one() / d } else { T::zero() };
-        if inverse == T::zero() {
-            q[j][j] = T::zero();
-        }
+        let row = q[j].clone();
+        let is_driven = row[j] > T::zero();
+        weights[j] = if is_driven { row[j] } else { T::zero() };
+        let inverse = if is_driven { T::one() / row[j] } else { T::zero() };
         for i in 0..j {
-            q[j][i] *= inverse;
-        }
-        for i in 0..j {
-            for k in 0..=i {
-                let change = q[j][i] * q[j][k] * d;
-                q[i][k] -= change;
+            let w = -(row[i] * inverse);
+            for k in 0..S::CORE {
+                q[i][k] = M::add_product(q[i][k], w, row[k]);
             }
         }
+        for k in 0..S::CORE {
+            q[j][k] = if k < j { row[k] * inverse } else { T::zero() };
+        }
+        q[j][j] = T::one();
     }
-    q
+    (q, weights)
 }
 
 /// Columns of U that are moved, or seen by a measurement, side by side.
@@ -92,7 +95,8 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
         let mut put = |r: usize, first: usize, values: &[T]| {
             columns[r].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
         };
-        let size = (last - j, S::CORE);
+        // a length the compiler does not know keeps it from taking the tile apart into scalars where all blocks are whole
+        let size = (core::hint::black_box(last - j), S::CORE);
         if M::WIDE {
             blocks::<M, T, _, COLUMNS, 8, false>(size, &left, across.as_slice(), &(0..last), &mut put);
         } else {
@@ -123,20 +127,15 @@ fn orthogonalise<S: Shape, T: Real, M: Machine>(
     moved: &mut [S::CoreVector<T>],
     noise: &S::CoreMatrix<T>,
 ) {
-    let mut driven = factor::<S, T>(noise);
-    let mut weights = [S::core_vector(T::zero()), S::core_vector(T::zero())];
-    for k in 0..S::CORE {
-        weights[0][k] = d[k];
-        weights[1][k] = driven[k][k];
-        driven[k][k] = T::one();
-        for i in k + 1..S::CORE {
-            driven[k][i] = T::zero();
-        }
-    }
+    let (mut driven, noise) = factor::<S, T, M>(noise);
+    let mut weights = [S::core_vector(T::zero()), noise];
+    weights[0].as_mut_slice().copy_from_slice(&d.as_slice()[..S::CORE]);
     for j in (0..S::CORE).rev() {
         let mut products = S::core_vector(T::zero());
-        for (part, weights) in [&*moved, driven.as_slice()].into_iter().zip(&weights) {
-            for k in 0..S::CORE {
+        // the noise's columns are zero before the diagonal, and stay so
+        let parts = [(&*moved, 0), (driven.as_slice(), j)];
+        for ((part, first), weights) in parts.into_iter().zip(&weights) {
+            for k in first..S::CORE {
                 let weighted = weights[k] * part[k][j];
                 for i in 0..S::CORE {
                     products[i] = M::add_product(products[i], weighted, part[k][i]);
@@ -148,9 +147,9 @@ fn orthogonalise<S: Shape, T: Real, M: Machine>(
         for i in 0..S::CORE {
             products[i] = if i < j { products[i] * inverse } else { T::zero() };
         }
-        cov[j].as_mut_slice()[..j].copy_from_slice(&products.as_slice()[..j]);
-        for part in [&mut *moved, driven.as_mut_slice()] {
-            for k in 0..S::CORE {
+        cov[j].as_mut_slice()[..S::CORE].copy_from_slice(products.as_slice());
+        for (part, first) in [(&mut *moved, 0), (driven.as_mut_slice(), j)] {
+            for k in first..S::CORE {
                 let w = -part[k][j];
                 for i in 0..S::CORE {
                     part[k][i] = M::add_product(part[k][i], w, products[i]);
@@ -287,12 +286,19 @@ fn turn<S: Shape, T: Real, M: Machine, const R: usize>(
 ) -> [S::Vector<T>; R] {
     let none = S::vector(T::zero());
     let mut gains: [_; R] = core::array::from_fn(|_| none.clone());
-    let whole = S::STATES / ROWS * ROWS;
-    for i in (0..whole).step_by(ROWS) {
+    // as many as fit, then half as many, then one by one
+    let mut i = 0;
+    while i + ROWS <= S::STATES {
         turn_rows::<S, T, M, R, ROWS>(cov, &mut gains, i, v, pulls);
+        i += ROWS;
     }
-    for i in whole..S::STATES {
+    if i + ROWS / 2 <= S::STATES {
+        turn_rows::<S, T, M, R, { ROWS / 2 }>(cov, &mut gains, i, v, pulls);
+        i += ROWS / 2;
+    }
+    while i < S::STATES {
         turn_rows::<S, T, M, R, 1>(cov, &mut gains, i, v, pulls);
+        i += 1;
     }
     gains
 }
@@ -309,13 +315,18 @@ fn turn_rows<S: Shape, T: Real, M: Machine, const R: usize, const C: usize>(
     let mut g = [[T::zero(); C]; R];
     for j in i..S::STATES {
         if let Some(column) = cov[j].as_mut_slice()[i..].first_chunk_mut::<C>() {
+            // whole arrays: an entry at a time, the compiler makes scalars of them where the loop is short
+            let mut turned = *column;
             for l in 0..R {
+                let u = turned;
                 for c in 0..C {
-                    let u = column[c];
-                    column[c] = M::add_product(u, g[l][c], pulls[j][l]);
-                    g[l][c] = M::add_product(g[l][c], u, v[j][l]);
+                    turned[c] = M::add_product(u[c], g[l][c], pulls[j][l]);
+                }
+                for c in 0..C {
+                    g[l][c] = M::add_product(g[l][c], u[c], v[j][l]);
                 }
             }
+            *column = turned;
         }
     }
     for l in 0..R {
