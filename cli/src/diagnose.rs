@@ -95,9 +95,11 @@ impl Arguments {
             bar.set_position((100.0 * done) as u64);
         });
         bar.finish_and_clear();
-        let mut found = found
-            .ok_or_else(|| miette!("there is no filter called {}", filter.name))?
-            .map_err(|error| miette!("{}: {error}", first.log.table().display()))?;
+        let mut found =
+            found.ok_or_else(|| miette!("there is no filter called {}", filter.name))?.map_err(|error| {
+                let second = second.as_ref().filter(|_| error.is_of_verification());
+                miette!("{}: {error}", second.unwrap_or(&first).log.table().display())
+            })?;
         if matches!(found.verdict, Verdict::Ambiguous | Verdict::NotConfirmed) {
             plan(filter.name, &mut found)?;
         }

@@ -11,7 +11,7 @@ pub(crate) const SECOND: &str = "verification log";
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// A filter diverged.
-    #[error("{log}: {source}")]
+    #[error("the {log}: {source}")]
     Diverged {
         /// Which log.
         log: &'static str,
@@ -19,7 +19,9 @@ pub enum Error {
         source: sinscal::Diverged,
     },
     /// Too little to judge by.
-    #[error("{log}: {updates} updates by the reference are too few to judge by; at least 100 are needed")]
+    #[error(
+        "{updates} updates by the reference in the {log} are too few to judge by; at least 100 are needed"
+    )]
     TooShort {
         /// Which log.
         log: &'static str,
@@ -27,7 +29,7 @@ pub enum Error {
         updates: usize,
     },
     /// The linear run broke down.
-    #[error("{log}: the innovation covariance is not positive definite; check the stated noise")]
+    #[error("the innovation covariance of the {log} is not positive definite; check the stated noise")]
     Indefinite {
         /// Which log.
         log: &'static str,
@@ -35,6 +37,12 @@ pub enum Error {
 }
 
 impl Error {
+    /// Whether it is the verification log that is at fault.
+    pub fn is_of_verification(&self) -> bool {
+        let (Self::Diverged { log, .. } | Self::TooShort { log, .. } | Self::Indefinite { log }) = self;
+        *log == SECOND
+    }
+
     pub(crate) fn of(log: &'static str, error: SceneError) -> Self {
         match error {
             SceneError::Diverged(source) => Self::Diverged { log, source },

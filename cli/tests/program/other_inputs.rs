@@ -37,6 +37,28 @@ fn complaint(folder: &Path, arguments: &[&str], expected: &[&str]) -> Result<Opt
     Ok((!wrong.is_empty()).then(|| format!("{arguments:?}: {}\n{message}", wrong.join("; "))))
 }
 
+/// Which of two logs is too short is said with its file.
+#[test]
+fn a_log_too_short_to_diagnose_is_named() -> Done {
+    let folder = folder()?;
+    for (name, rows) in [("short", 250), ("long", 7500)] {
+        Table::at_rest(rows).write_csv(&folder.path().join(name).with_extension("csv"))?;
+        fs::write(folder.path().join(name).with_extension("toml"), DESCRIPTION)?;
+    }
+    let mut complaints = Vec::new();
+    for (arguments, which) in [
+        (&["diagnose", "short", "--filter", "36d-p"][..], "in the log are too few to judge by"),
+        (
+            &["diagnose", "long", "--filter", "36d-p", "--verify", "short"],
+            "in the verification log are too few to judge by",
+        ),
+    ] {
+        complaints.extend(complaint(folder.path(), arguments, &["short.csv: ", which])?);
+    }
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+    Ok(())
+}
+
 #[test]
 fn every_command_refuses_a_broken_log() -> Done {
     let folder = folder()?;
