@@ -40,7 +40,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         guess + self.parameters[i] + self.kalman.x()[i]
     }
 
-    /// Parameter estimates by state; the leading states are zero. What [`Compensator::compensate`] takes.
+    /// Parameter estimates by state; the leading states are zero. What [`Compensator::compensate`](crate::Compensator::compensate) takes.
     pub fn estimate(&self) -> Vector<F, f64> {
         let mut estimate = self.parameters.clone();
         for i in F::Shape::CORE..F::Shape::STATES {
