@@ -1,16 +1,17 @@
 //! `sinscal diagnose`: finds the effect that a filter lacks.
 
+use core::ops::ControlFlow;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use gap::menu::menu_named;
-use gap::{Diagnosis, LogGap, Options, Verdict};
+use gap::{Diagnosis, LogGap, Options, ReadError, Samples, Verdict};
 use miette::{IntoDiagnostic, Result, miette};
 use sinscal::{FilterInfo, InitialAttitude, Sample};
 
 use crate::arguments::{self, Results};
-use crate::log::{ColumnMap, Log};
+use crate::log::{ColumnMap, Log, LogError};
 use crate::report::diagnosis::{self, tenths};
 use crate::report::inputs::Inputs;
 use crate::{say, self_test, setup};
@@ -54,19 +55,40 @@ pub(crate) struct Arguments {
     results: Results,
 }
 
-/// A log in memory.
-struct Loaded {
+/// A log that is read again for each pass.
+struct Reread {
     log: Log,
-    samples: Vec<Sample>,
     initial: InitialAttitude,
 }
 
-impl Loaded {
+impl Reread {
     fn new(path: &Path, columns: &ColumnMap) -> Result<Self> {
         let log = arguments::open(path, columns)?;
         let initial = setup::initial(&log)?;
-        let samples = log.samples()?.collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { log, samples, initial })
+        Ok(Self { log, initial })
+    }
+
+    /// What went wrong with it.
+    fn fault(&self, error: gap::Error) -> miette::Report {
+        let table = self.log.table().display();
+        match error {
+            gap::Error::Unreadable { source, .. } => match source.downcast::<LogError>() {
+                Ok(fault) => (*fault).into(),
+                Err(other) => miette!("{table}: {other}"),
+            },
+            error => miette!("{table}: {error}"),
+        }
+    }
+}
+
+impl Samples for Reread {
+    fn read(&self, visit: &mut dyn FnMut(&Sample) -> ControlFlow<()>) -> std::result::Result<(), ReadError> {
+        for chunk in self.log.ahead()? {
+            if chunk?.samples.iter().try_for_each(&mut *visit).is_break() {
+                break;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -78,16 +100,16 @@ impl Arguments {
             // the parser of the command line lets nothing else through
             _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, &target),
         };
-        let first = Loaded::new(log, &self.columns)?;
-        let second = self.verify.as_deref().map(|log| Loaded::new(log, &self.columns)).transpose()?;
+        let first = Reread::new(log, &self.columns)?;
+        let second = self.verify.as_deref().map(|log| Reread::new(log, &self.columns)).transpose()?;
 
         let first_setup = setup::of(&first.log, first.initial);
         let second_setup = second.as_ref().map(|second| setup::of(&second.log, second.initial));
-        let log = gap::Log { samples: &first.samples, setup: &first_setup };
+        let log = gap::Log { samples: &first, setup: &first_setup };
         let verify = second
             .as_ref()
             .zip(second_setup.as_ref())
-            .map(|(second, setup)| gap::Log { samples: &second.samples, setup });
+            .map(|(second, setup)| gap::Log { samples: second, setup });
         let bar = say::progress_bar(100, "diagnosing");
         let options = Options { seed: self.seed, ..Options::default() };
         let found = gap::diagnose_named(filter.name, &log, verify.as_ref(), &options, &mut |stage, done| {
@@ -97,8 +119,7 @@ impl Arguments {
         bar.finish_and_clear();
         let mut found =
             found.ok_or_else(|| miette!("there is no filter called {}", filter.name))?.map_err(|error| {
-                let second = second.as_ref().filter(|_| error.is_of_verification());
-                miette!("{}: {error}", second.unwrap_or(&first).log.table().display())
+                second.as_ref().filter(|_| error.is_of_verification()).unwrap_or(&first).fault(error)
             })?;
         if matches!(found.verdict, Verdict::Ambiguous | Verdict::NotConfirmed) {
             plan(filter.name, &mut found)?;

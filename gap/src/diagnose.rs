@@ -1,7 +1,7 @@
 //! The whole workflow.
 
 use calib_core::{Block, Extended, Filter};
-use sinscal::Strapdown;
+use sinscal::{Setup, Strapdown};
 
 use crate::decide::{Decision, decide};
 use crate::declaration::declaration;
@@ -9,11 +9,12 @@ use crate::error::{Error, FIRST, SECOND};
 use crate::excite::indistinguishable;
 use crate::linear::Noise;
 use crate::locate::{locate, locate_family};
+use crate::log::{Log, Survey};
 use crate::open::Open;
 use crate::parallel::both;
 use crate::report::{Diagnosis, FoundEffect, NoiseScale, Rival, Verdict};
 use crate::rerun::rerun;
-use crate::run::{Declared, Log, Machine};
+use crate::run::{Declared, Machine};
 use crate::scene::{EXCITED, Scene};
 use crate::white::whiteness;
 use crate::{CandidateStates, Candidates, say, threshold};
@@ -99,13 +100,6 @@ macro_rules! named {
 
 named!(Sins36P, Sins39P, Sins40P, Sins43P, Sins43B, Mems30, Tracked35);
 
-/// Whether two logs are one and the same.
-fn is_same(one: &Log, other: &Log) -> bool {
-    let measured = |log: &Log, i: usize| (log.samples[i].dtheta, log.samples[i].dvel);
-    one.samples.len() == other.samples.len()
-        && (0..one.samples.len()).all(|i| measured(one, i) == measured(other, i))
-}
-
 fn workflow(
     machine: &dyn Machine,
     log: &Log,
@@ -113,10 +107,26 @@ fn workflow(
     options: &Options,
     progress: &mut dyn FnMut(&'static str, f64),
 ) -> Result<Diagnosis, Error> {
-    let same = verify.is_some_and(|v| is_same(log, v));
-    let verify = verify.filter(|_| !same);
-    progress("running the filter with every effect", 0.0);
-    let (second, first) = both(|| verify.map(|v| Scene::new(machine, v)), || Scene::new(machine, log));
+    progress("reading", 0.0);
+    let (there, here) = both(|| verify.map(Survey::of), || Survey::of(log));
+    let here = here.map_err(|e| Error::of(FIRST, e.into()))?;
+    let there = there.flatten().transpose().map_err(|e| Error::of(SECOND, e.into()))?;
+    let same = there.is_some_and(|there| there.is_same(&here));
+    let there = there.filter(|_| !same);
+    let setup = here.setup(log);
+    let there_setup = verify.zip(there.as_ref()).map(|(log, survey)| survey.setup(log));
+    let mut rarely = vec![rarer("this log", log.setup, &setup)];
+    if let (Some(verify), Some(used)) = (verify, &there_setup) {
+        rarely.push(rarer("the second log", verify.setup, used));
+    }
+    let log = &Log { setup: &setup, ..*log };
+    let verify = verify.zip(there_setup.as_ref()).map(|(log, setup)| Log { setup, ..*log });
+    let verify = verify.as_ref();
+    progress("running the filter with every effect", 0.05);
+    let (second, first) = both(
+        || verify.zip(there.as_ref()).map(|(log, survey)| Scene::new(machine, log, survey)),
+        || Scene::new(machine, log, &here),
+    );
     let first = first.map_err(|e| Error::of(FIRST, e))?;
     let second = second.flatten().transpose().map_err(|e| Error::of(SECOND, e))?;
     progress("pricing what is in no library", 0.45);
@@ -131,14 +141,30 @@ fn workflow(
     let mut d = report(machine, &first, second.as_ref(), open.as_ref(), &decision);
     if options.rerun && !decision.best.groups.is_empty() {
         progress("running the filter with what was found", 0.7);
-        rerun(machine, log, verify, (&first, second.as_ref()), &decision, &mut d)?;
+        match rerun(machine, log, verify, (&first, second.as_ref()), &decision, &mut d) {
+            // what was found stands; a filter that lacks it may well not survive a long log
+            Err(Error::Diverged { log, source }) => {
+                let time = source.time;
+                d.notes.push(format!(
+                    "before and after are not compared: on the {log} one of them diverges at {time} s"
+                ));
+            }
+            done => done?,
+        }
     }
     if same {
         d.notes.push("the second log is the first one again, and confirms nothing: it was left out".into());
     }
+    d.notes.extend(rarely.into_iter().flatten());
     d.sentence = say::sentence(&d, decision.best.gain, decision.reason.as_deref());
     progress("done", 1.0);
     Ok(d)
+}
+
+/// Whether the reference of a log is used more rarely than asked for.
+fn rarer(log: &str, asked: &Setup, used: &Setup) -> Option<String> {
+    (used.update_rate < asked.update_rate)
+        .then(|| format!("{log} is long: its reference was used once in {:.1} s", 1.0 / used.update_rate))
 }
 
 /// Everything but the re-run.
@@ -335,4 +361,58 @@ fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
         }
     }
     d.notes = notes;
+}
+
+#[cfg(test)]
+mod tests {
+    use sinscal::navigation::Pilot;
+    use sinscal::{Diverged, Sample, Sins36P};
+
+    use super::*;
+    use crate::declaration::BaseFilter;
+    use crate::error::SceneError;
+    use crate::run::Ran;
+
+    /// 36d-p, which diverges without help.
+    struct Fragile(Declared<Sins36P, Candidates, CandidateStates>);
+
+    impl Machine for Fragile {
+        fn base(&self) -> BaseFilter {
+            self.0.base()
+        }
+
+        fn has(&self, block: &str) -> bool {
+            self.0.has(block)
+        }
+
+        fn run(&self, log: &Log, size: &(dyn Fn(&str) -> f64 + Sync)) -> Result<Ran, SceneError> {
+            if size("accel-delay") == 0.0 {
+                return Err(SceneError::Diverged(Diverged { time: 321.0, channel: "velocity" }));
+            }
+            self.0.run(log, size)
+        }
+
+        fn pilot(&self, setup: &Setup, parameters: &[f64]) -> Box<dyn Pilot> {
+            self.0.pilot(setup, parameters)
+        }
+    }
+
+    #[test]
+    fn what_was_found_stands_though_the_filter_without_it_diverges() {
+        let mut scenario = rig::Scenario::default().with_rate(20.0).unwrap();
+        scenario.keep_effects(|name| {
+            Declared::<Sins36P, Candidates, CandidateStates>::new().has(name) || name == "accel-delay"
+        });
+        scenario.motion.still = 100.0;
+        scenario.motion.dwell = 30.0;
+        scenario.dither.mode = rig::DitherMode::Off;
+        let simulation = rig::Simulation::new(&scenario, 5).unwrap();
+        let description = simulation.description().clone();
+        let samples: Vec<Sample> = simulation.collect();
+        let setup = description.setup(&[]);
+        let log = Log { samples: &samples, setup: &setup };
+        let d = workflow(&Fragile(Declared::new()), &log, None, &Options::default(), &mut |_, _| {}).unwrap();
+        assert!(d.sentence.contains("accel-delay") && d.gap.is_none(), "{}", d.sentence);
+        assert!(d.notes.iter().any(|n| n.contains("diverges at 321 s")), "{:?}", d.notes);
+    }
 }

@@ -1,6 +1,8 @@
 //! Why a diagnosis ends without a verdict.
 
-use crate::scene::SceneError;
+use sinscal::Diverged;
+
+use crate::log::ReadError;
 
 /// The log to diagnose, as errors name it.
 pub(crate) const FIRST: &str = "log";
@@ -8,15 +10,23 @@ pub(crate) const FIRST: &str = "log";
 pub(crate) const SECOND: &str = "verification log";
 
 /// Why a log cannot be diagnosed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum Error {
+    /// A sample cannot be read.
+    #[error("the {log} cannot be read: {source}")]
+    Unreadable {
+        /// Which log.
+        log: &'static str,
+        /// What its [`Samples`](crate::Samples) say.
+        source: ReadError,
+    },
     /// A filter diverged.
     #[error("the {log}: {source}")]
     Diverged {
         /// Which log.
         log: &'static str,
         /// When.
-        source: sinscal::Diverged,
+        source: Diverged,
     },
     /// Too little to judge by.
     #[error(
@@ -39,15 +49,34 @@ pub enum Error {
 impl Error {
     /// Whether it is the verification log that is at fault.
     pub fn is_of_verification(&self) -> bool {
-        let (Self::Diverged { log, .. } | Self::TooShort { log, .. } | Self::Indefinite { log }) = self;
+        let (Self::Unreadable { log, .. }
+        | Self::Diverged { log, .. }
+        | Self::TooShort { log, .. }
+        | Self::Indefinite { log }) = self;
         *log == SECOND
     }
 
     pub(crate) fn of(log: &'static str, error: SceneError) -> Self {
         match error {
+            SceneError::Unreadable(source) => Self::Unreadable { log, source },
             SceneError::Diverged(source) => Self::Diverged { log, source },
             SceneError::TooShort { updates } => Self::TooShort { log, updates },
             SceneError::Indefinite => Self::Indefinite { log },
         }
+    }
+}
+
+/// Why a log cannot be diagnosed, whichever it is.
+#[derive(Debug)]
+pub(crate) enum SceneError {
+    Unreadable(ReadError),
+    Diverged(Diverged),
+    TooShort { updates: usize },
+    Indefinite,
+}
+
+impl From<ReadError> for SceneError {
+    fn from(fault: ReadError) -> Self {
+        Self::Unreadable(fault)
     }
 }

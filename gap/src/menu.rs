@@ -6,12 +6,14 @@ use rig::scenario::Path;
 use rig::{DitherMode, Scenario, ScenarioError, Simulation, TemperatureProfile};
 use sinscal::{Sample, Strapdown};
 
+use crate::error::SceneError;
 use crate::excite::information;
 use crate::linear::Noise;
+use crate::log::Log;
 use crate::parallel::both;
 use crate::prices::Prices;
-use crate::run::{Declared, Log, Machine};
-use crate::scene::{EXCITED, SceneError};
+use crate::run::{Declared, Machine};
+use crate::scene::EXCITED;
 use crate::{CandidateStates, Candidates, Error};
 
 /// A run of the menu, and how well it would show an effect beside another.
@@ -25,7 +27,7 @@ pub struct Proposal {
 }
 
 /// Why no proposal can be made.
-#[derive(Clone, Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum ProposalError {
     /// The rig refused a scenario.
     #[error("a run of the menu cannot be simulated: {0}")]
@@ -100,9 +102,7 @@ impl Menu {
             let samples: Vec<Sample> = simulation.collect();
             let setup = description.setup(&[]);
             let broken = |e| ProposalError::Diagnosis(Error::of("menu", e));
-            let ran = machine
-                .run(&Log { samples: &samples, setup: &setup }, &|_| 1.0)
-                .map_err(|e| broken(SceneError::Diverged(e)))?;
+            let ran = machine.run(&Log { samples: &samples, setup: &setup }, &|_| 1.0).map_err(broken)?;
             let everything = information(&ran.recording, &Noise::STATED);
             Ok((*run, everything.ok_or(broken(SceneError::Indefinite))?, ran.recording.base().len()))
         };

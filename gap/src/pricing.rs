@@ -3,13 +3,13 @@
 use calib_core::{Extended, Filter};
 use sinscal::Strapdown;
 
-use crate::error::Error;
+use crate::error::{Error, FIRST};
 use crate::linear::{Noise, Recorded, run};
+use crate::log::Log;
 use crate::noise;
 use crate::prices::Prices;
 use crate::recording::Recording;
-use crate::run::{Declared, Log, Machine};
-use crate::scene::SceneError;
+use crate::run::{Declared, Machine};
 use crate::{CandidateStates, Candidates};
 
 /// The price of every candidate of a log, and of every set of them.
@@ -39,9 +39,8 @@ impl Pricing {
         Extended<F, Candidates, CandidateStates>: Filter<Dynamics = Strapdown>,
     {
         let machine = Declared::<F, Candidates, CandidateStates>::new();
-        let recording =
-            machine.run(log, &|_| 1.0).map_err(|e| Error::of("log", SceneError::Diverged(e)))?.recording;
-        let (base, prices) = noise::price(&recording, &noise).ok_or(Error::Indefinite { log: "log" })?;
+        let recording = machine.run(log, &|_| 1.0).map_err(|e| Error::of(FIRST, e))?.recording;
+        let (base, prices) = noise::price(&recording, &noise).ok_or(Error::Indefinite { log: FIRST })?;
         Ok(Self { recording, noise, base, prices })
     }
 
@@ -50,7 +49,7 @@ impl Pricing {
     /// # Errors
     /// When that noise leaves an innovation covariance that is not positive definite.
     pub fn reprice(&mut self, noise: Noise) -> Result<(), Error> {
-        let (base, prices) = noise::price(&self.recording, &noise).ok_or(Error::Indefinite { log: "log" })?;
+        let (base, prices) = noise::price(&self.recording, &noise).ok_or(Error::Indefinite { log: FIRST })?;
         (self.noise, self.base, self.prices) = (noise, base, prices);
         Ok(())
     }

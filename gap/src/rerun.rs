@@ -1,12 +1,15 @@
 //! What was named is added and really run: the gap before and after.
 
+use sinscal::Sample;
+
 use crate::decide::Decision;
-use crate::error::{Error, FIRST, SECOND};
+use crate::error::{Error, FIRST, SECOND, SceneError};
 use crate::linear::{FreeRun, Recorded, run_free};
+use crate::log::Log;
 use crate::parallel::both;
 use crate::report::{Diagnosis, Gap, Horizontal, LogGap};
-use crate::run::{Log, Machine, Ran};
-use crate::scene::{Scene, SceneError};
+use crate::run::{Machine, Ran};
+use crate::scene::Scene;
 
 /// Longest alignment before navigation, s; a short log gives a quarter of itself.
 const ALIGNMENT: f64 = 900.0;
@@ -64,20 +67,21 @@ impl Pair {
 }
 
 /// Largest horizontal error, m, of `log` navigated free-inertially with the parameters that a run found.
-fn navigated(machine: &dyn Machine, log: &Log, ran: &Ran) -> Option<f64> {
-    let (first, last) = (log.samples.first()?.time, log.samples.last()?.time);
+fn navigated(machine: &dyn Machine, log: &Log, (first, last): (f64, f64), ran: &Ran) -> Option<f64> {
     let until = first + ALIGNMENT.min(0.25 * (last - first));
     let values: Vec<f64> = ran.estimate.iter().map(|e| e.0).collect();
     let mut pilot = machine.pilot(log.setup, &values);
-    for sample in log.samples.iter().take_while(|s| s.time <= until) {
-        pilot.step(sample).ok()?;
-    }
-    if !pilot.depart() {
-        return None;
-    }
-    for sample in log.samples {
-        pilot.step(sample).ok()?;
-    }
+    let mut aligning = true;
+    let step = |sample: &Sample| -> Result<(), SceneError> {
+        if aligning && sample.time > until {
+            aligning = false;
+            if !pilot.depart() {
+                return Err(SceneError::TooShort { updates: 0 });
+            }
+        }
+        pilot.step(sample).map(drop).map_err(SceneError::Diverged)
+    };
+    log.try_each(step).ok()?;
     let drift = pilot.drift();
     (drift.comparisons > 0 && drift.largest.is_finite()).then_some(drift.largest)
 }
@@ -113,9 +117,8 @@ pub(crate) fn rerun(
     }
     // the second log is navigated with what the first one said
     let fly = |log: &Log, scene: &Scene| {
-        let (before, after) = scene.fixed.then(|| {
-            both(|| navigated(machine, log, &here.before), || navigated(machine, log, &here.after))
-        })?;
+        let fly = |ran| navigated(machine, log, scene.survey.span, ran);
+        let (before, after) = scene.survey.fixed.then(|| both(|| fly(&here.before), || fly(&here.after)))?;
         Some(Horizontal { before_m: before.flatten()?, after_m: after? })
     };
     let beyond = verify.zip(second).and_then(|(log, scene)| fly(log, scene));

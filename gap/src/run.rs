@@ -2,25 +2,19 @@
 
 use calib_core::{Array, Block, Dynamics, Extended, Filter, Shape};
 use sinscal::navigation::{Pilot, pilot_of};
-use sinscal::{Calibration, Diverged, Sample, Setup, StateInfo, Strapdown};
+use sinscal::{Calibration, Setup, StateInfo, Strapdown};
 
 use crate::candidates::prior_factor;
 use crate::declaration::BaseFilter;
+use crate::error::SceneError;
+use crate::log::Log;
 use crate::recording::{CORE, Column, Recorder, Recording};
 
-/// Estimates that still move by more than this many standard deviations call for another pass.
-const SETTLED: f64 = 0.3;
+/// Estimates that still move by more than this many standard deviations call for another pass. What is left of a move is second
+/// order in it: those that moved by 1 move by less than 0.1 if they are run again.
+const SETTLED: f64 = 1.0;
 /// No more passes than this.
 const PASSES: usize = 5;
-
-/// A log to be diagnosed: its samples, and the description that goes with them.
-#[derive(Clone, Copy, Debug)]
-pub struct Log<'a> {
-    /// Samples in the order of time.
-    pub samples: &'a [Sample],
-    /// What must be known to run a filter over them.
-    pub setup: &'a Setup<'a>,
-}
 
 /// A filter was really run.
 #[derive(Clone, Debug)]
@@ -38,7 +32,7 @@ pub(crate) trait Machine: Sync {
     fn has(&self, block: &str) -> bool;
     /// Runs the filter until it has settled; each candidate's prior is multiplied by `size`, and a candidate of size zero
     /// takes no part.
-    fn run(&self, log: &Log, size: &(dyn Fn(&str) -> f64 + Sync)) -> Result<Ran, Diverged>;
+    fn run(&self, log: &Log, size: &(dyn Fn(&str) -> f64 + Sync)) -> Result<Ran, SceneError>;
     /// Navigates with parameters in the order of the columns of a run; those it did not have are zero.
     fn pilot(&self, setup: &Setup, parameters: &[f64]) -> Box<dyn Pilot>;
 }
@@ -92,7 +86,7 @@ where
             || block == "dither-size-effect" && F::SET.contains(sinscal::blocks::set::DITHER)
     }
 
-    fn run(&self, log: &Log, size: &(dyn Fn(&str) -> f64 + Sync)) -> Result<Ran, Diverged> {
+    fn run(&self, log: &Log, size: &(dyn Fn(&str) -> f64 + Sync)) -> Result<Ran, SceneError> {
         let own = F::Shape::STATES;
         if !blocks::<B>().into_iter().any(|block| size(block) > 0.0) {
             return drive::<F>(log, own, &|_, sigma| sigma);
@@ -119,7 +113,7 @@ fn drive<G: Filter<Dynamics = Strapdown>>(
     log: &Log,
     own: usize,
     prior: &dyn Fn(&StateInfo, f64) -> f64,
-) -> Result<Ran, Diverged> {
+) -> Result<Ran, SceneError> {
     let mut columns: Vec<Column> = Vec::new();
     let mut calibration = Calibration::<G>::with_prior(log.setup, |state, info, sigma| {
         let sigma = if state < own { sigma } else { prior(info, sigma) };
@@ -134,17 +128,15 @@ fn drive<G: Filter<Dynamics = Strapdown>>(
     G::relaxation(&mut |state, r: calib_core::Relaxation<f64>| {
         relaxing.push((state - CORE, r.rate, r.density));
     });
-    for sample in log.samples {
-        calibration.step(sample)?;
-    }
+    log.try_each(|sample| calibration.step(sample).map(drop).map_err(SceneError::Diverged))?;
     let mut passes = 1;
     loop {
         let about = calibration.estimate();
         calibration.begin_pass();
         let mut recorder = Recorder::<G>::new();
-        for sample in log.samples {
-            calibration.step_observed(sample, &mut recorder)?;
-        }
+        log.try_each(|sample| {
+            calibration.step_observed(sample, &mut recorder).map(drop).map_err(SceneError::Diverged)
+        })?;
         passes += 1;
         let estimate = calibration.estimate();
         let covariance = calibration.covariance();

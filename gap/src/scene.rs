@@ -1,14 +1,12 @@
 //! A log as the diagnosis sees it: run with everything in the filter, noise fitted, every effect priced.
 
-use sinscal::Diverged;
-
+use crate::error::SceneError;
 use crate::linear::{Noise, Recorded, run};
+use crate::log::{Log, Survey};
 use crate::noise;
 use crate::prices::{BEYOND, Prices, groups_of};
-use crate::run::{Log, Machine, Ran};
+use crate::run::{Machine, Ran};
 
-/// A reference that stays within so many of its standard deviations does not move.
-const STILL: f64 = 10.0;
 /// Below so many standard deviations an effect of its prior's size does not show.
 pub(crate) const EXCITED: f64 = 3.0;
 
@@ -49,8 +47,7 @@ pub(crate) struct Scene {
     pub(crate) ran: Ran,
     /// Priors that were too narrow.
     pub(crate) wider: Wider,
-    /// Whether the observed point stays where it is.
-    pub(crate) fixed: bool,
+    pub(crate) survey: Survey,
     pub(crate) noise: Noise,
     /// Whether the noise is so much more than stated that it may hide anything.
     pub(crate) noise_hides: bool,
@@ -60,23 +57,22 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    pub(crate) fn new(machine: &dyn Machine, log: &Log) -> Result<Self, SceneError> {
-        let attitude = log.samples.iter().any(|s| s.reference.attitude.is_some());
-        let fixed = !attitude && is_fixed(log);
+    pub(crate) fn new(machine: &dyn Machine, log: &Log, survey: &Survey) -> Result<Self, SceneError> {
         // the Jacobian of a delay is the observed point's motion; of a fixed point that is nothing but noise
         let takes = |block: &str| match block {
-            "reference-delay" => !fixed,
-            "reference-misalignment" => attitude,
+            "reference-delay" => !survey.fixed,
+            "reference-misalignment" => survey.attitude,
             _ => true,
         };
         let mut wider = Wider::default();
-        let mut ran = machine.run(log, &|block| if takes(block) { 1.0 } else { 0.0 })?;
-        for _ in 0..WIDENINGS {
-            if !wider.widen(&ran) {
-                break;
+        let mut widened = 0;
+        let ran = loop {
+            let ran = machine.run(log, &|block| if takes(block) { wider.factor(block) } else { 0.0 })?;
+            if widened == WIDENINGS || !wider.widen(&ran) {
+                break ran;
             }
-            ran = machine.run(log, &|block| if takes(block) { wider.factor(block) } else { 0.0 })?;
-        }
+            widened += 1;
+        };
         if ran.recording.updates() < 100 {
             return Err(SceneError::TooShort { updates: ran.recording.updates() });
         }
@@ -104,7 +100,7 @@ impl Scene {
         let groups = groups_of(recording.columns(), &priced);
         let prices = Prices::new(&found.gram, sigma.clone(), groups.clone());
         let half = Prices::new(&half, sigma, groups);
-        Ok(Self { ran, wider, fixed, noise, noise_hides, prices, half })
+        Ok(Self { ran, wider, survey: *survey, noise, noise_hides, prices, half })
     }
 
     /// Groups that the path excites.
@@ -116,33 +112,5 @@ impl Scene {
     pub(crate) fn columns(&self, groups: &[usize]) -> Vec<usize> {
         let priced = self.ran.recording.candidates();
         self.prices.members(groups).into_iter().map(|m| priced[m]).collect()
-    }
-}
-
-/// Whether the observed point stays where it is.
-fn is_fixed(log: &Log) -> bool {
-    let sigma = &log.setup.reference;
-    let mut first = None;
-    log.samples.iter().all(|s| {
-        let still = s.reference.velocity.is_none_or(|v| v.amax() < STILL * sigma.velocity);
-        let there = s.reference.position.is_none_or(|p| {
-            let from: &nalgebra::Vector3<f64> = first.get_or_insert(p);
-            (p - *from).amax() < STILL * sigma.position
-        });
-        still && there
-    })
-}
-
-/// Why a log cannot be diagnosed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum SceneError {
-    Diverged(Diverged),
-    TooShort { updates: usize },
-    Indefinite,
-}
-
-impl From<Diverged> for SceneError {
-    fn from(diverged: Diverged) -> Self {
-        Self::Diverged(diverged)
     }
 }

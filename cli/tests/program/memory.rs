@@ -33,7 +33,8 @@ fn run(folder: &Path, arguments: &str) -> Result<f64, Box<dyn std::error::Error>
     }
 }
 
-/// 50 thousand rows and 400 thousand: the second takes at most 16 MiB more. `diagnose` is not among them: it remembers every update.
+/// 50 thousand rows and 400 thousand: the second takes at most 16 MiB more. `diagnose` is not among them: it remembers
+/// every update, ten thousand at most.
 #[test]
 #[ignore = "a minute"]
 fn memory_does_not_grow_with_the_log() -> Done {

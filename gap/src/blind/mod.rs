@@ -34,7 +34,7 @@ pub struct Trial {
 }
 
 /// Why a trial could not be made.
-#[derive(Clone, Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum TrialError {
     /// The rig refused a scenario.
     #[error("case {seed}: {source}")]

@@ -1,0 +1,189 @@
+//! What is diagnosed: samples that can be read again and again, and what one look at them tells.
+
+use core::ops::ControlFlow;
+use std::hash::{DefaultHasher, Hasher};
+
+use sinscal::{Sample, Setup};
+
+/// A reference that stays within so many of its standard deviations does not move.
+const STILL: f64 = 10.0;
+/// A diagnosis remembers some 12 kB of each update, and uses no more updates than this.
+const MOST_UPDATES: f64 = 10_000.0;
+
+/// Why samples could not be read.
+pub type ReadError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Samples in the order of time, which can be read from the first one on any number of times: a diagnosis goes over them half a
+/// dozen times and does not keep them.
+pub trait Samples: Sync {
+    /// Gives each sample to `visit`, until that breaks off.
+    ///
+    /// # Errors
+    /// When a sample cannot be read.
+    fn read(&self, visit: &mut dyn FnMut(&Sample) -> ControlFlow<()>) -> Result<(), ReadError>;
+}
+
+impl Samples for Vec<Sample> {
+    fn read(&self, visit: &mut dyn FnMut(&Sample) -> ControlFlow<()>) -> Result<(), ReadError> {
+        // whoever breaks off knows why
+        let _ = self.iter().try_for_each(visit);
+        Ok(())
+    }
+}
+
+/// A log to be diagnosed: its samples, and the description that goes with them.
+#[derive(Clone, Copy)]
+pub struct Log<'a> {
+    /// Where its samples come from.
+    pub samples: &'a dyn Samples,
+    /// What must be known to run a filter over them.
+    pub setup: &'a Setup<'a>,
+}
+
+impl Log<'_> {
+    /// Gives each sample to `work`, until there is an error.
+    pub(crate) fn try_each<E: From<ReadError>>(
+        &self,
+        mut work: impl FnMut(&Sample) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut fault = None;
+        self.samples.read(&mut |sample| match work(sample) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                fault = Some(error);
+                ControlFlow::Break(())
+            }
+        })?;
+        fault.map_or(Ok(()), Err)
+    }
+}
+
+/// What one look at a log tells before any filter runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Survey {
+    /// Times of the first and of the last sample, s.
+    pub(crate) span: (f64, f64),
+    /// Whether any attitude is measured.
+    pub(crate) attitude: bool,
+    /// Whether the observed point stays where it is.
+    pub(crate) fixed: bool,
+    /// Readings of the reference.
+    readings: usize,
+    /// The same for two logs that measured the same.
+    digest: u64,
+}
+
+impl Survey {
+    pub(crate) fn of(log: &Log) -> Result<Self, ReadError> {
+        let sigma = &log.setup.reference;
+        let mut survey =
+            Self { span: (f64::NAN, f64::NAN), attitude: false, fixed: true, readings: 0, digest: 0 };
+        let mut digest = DefaultHasher::new();
+        let mut origin = None;
+        log.try_each::<ReadError>(|s| {
+            if survey.span.0.is_nan() {
+                survey.span.0 = s.time;
+            }
+            survey.span.1 = s.time;
+            let reference = &s.reference;
+            survey.attitude |= reference.attitude.is_some();
+            let still = reference.velocity.is_none_or(|v| v.amax() < STILL * sigma.velocity);
+            let there = reference.position.is_none_or(|p| {
+                let from: &nalgebra::Vector3<f64> = origin.get_or_insert(p);
+                (p - *from).amax() < STILL * sigma.position
+            });
+            survey.fixed &= still && there;
+            let read =
+                reference.velocity.is_some() || reference.position.is_some() || reference.attitude.is_some();
+            survey.readings += usize::from(read);
+            for value in s.dtheta.iter().chain(&s.dvel) {
+                digest.write_u64(value.to_bits());
+            }
+            Ok(())
+        })?;
+        survey.fixed &= !survey.attitude;
+        survey.digest = digest.finish();
+        Ok(survey)
+    }
+
+    /// Whether two logs are one and the same.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        self.digest == other.digest
+    }
+
+    /// The setup to diagnose `log` with: the reference is used more rarely than asked for where the log is so long that its
+    /// updates could not all be remembered.
+    pub(crate) fn setup<'a>(&self, log: &Log<'a>) -> Setup<'a> {
+        let seconds = self.span.1 - self.span.0;
+        let updates = (seconds * log.setup.update_rate).min(self.readings as f64);
+        let update_rate = if updates > MOST_UPDATES { MOST_UPDATES / seconds } else { log.setup.update_rate };
+        Setup { update_rate, ..*log.setup }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+
+    fn samples(count: usize) -> Vec<Sample> {
+        (0..count)
+            .map(|i| Sample {
+                time: 0.5 * i as f64,
+                dtheta: Vector3::new(1e-6 * i as f64, 0.0, 0.0),
+                dvel: Vector3::zeros(),
+                temperature: Vector3::zeros(),
+                gyro_temperature: Vector3::zeros(),
+                dither: Vector3::zeros(),
+                reference: sinscal::Reference {
+                    velocity: Some(Vector3::zeros()),
+                    ..sinscal::Reference::default()
+                },
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_long_log_is_used_more_rarely() {
+        let scenario = rig::Scenario::default();
+        let description = rig::Simulation::new(&scenario, 1).unwrap().description().clone();
+        let setup = description.setup(&[]);
+        let rate = |samples: &Vec<Sample>| {
+            let log = Log { samples, setup: &setup };
+            Survey::of(&log).unwrap().setup(&log).update_rate
+        };
+        assert_eq!(rate(&samples(1000)), setup.update_rate);
+        let long = 40_000.0 * 2.0;
+        let used = rate(&samples(long as usize)) * 40_000.0;
+        assert!((used / MOST_UPDATES - 1.0).abs() < 1e-3, "{used}");
+    }
+
+    #[test]
+    fn only_the_same_measurements_are_the_same() {
+        let scenario = rig::Scenario::default();
+        let description = rig::Simulation::new(&scenario, 1).unwrap().description().clone();
+        let setup = description.setup(&[]);
+        let survey = |samples: &Vec<Sample>| Survey::of(&Log { samples, setup: &setup }).unwrap();
+        let (one, mut other) = (samples(100), samples(100));
+        assert!(survey(&one).is_same(&survey(&other)));
+        other[50].dvel.z += 1e-12;
+        assert!(!survey(&one).is_same(&survey(&other)));
+        assert!(!survey(&one).is_same(&survey(&samples(99))));
+    }
+
+    #[test]
+    fn an_error_ends_a_pass() {
+        let scenario = rig::Scenario::default();
+        let description = rig::Simulation::new(&scenario, 1).unwrap().description().clone();
+        let setup = description.setup(&[]);
+        let samples = samples(10);
+        let mut seen = 0;
+        let log = Log { samples: &samples, setup: &setup };
+        let ended = log.try_each::<ReadError>(|_| {
+            seen += 1;
+            if seen == 3 { Err("three".into()) } else { Ok(()) }
+        });
+        assert_eq!((seen, ended.unwrap_err().to_string().as_str()), (3, "three"));
+    }
+}
