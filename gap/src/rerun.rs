@@ -1,5 +1,7 @@
 //! What was named is added and really run: the gap before and after.
 
+use core::ops::ControlFlow;
+
 use sinscal::Sample;
 
 use crate::decide::Decision;
@@ -71,17 +73,17 @@ fn navigated(machine: &dyn Machine, log: &Log, (first, last): (f64, f64), ran: &
     let until = first + ALIGNMENT.min(0.25 * (last - first));
     let values: Vec<f64> = ran.estimate.iter().map(|e| e.0).collect();
     let mut pilot = machine.pilot(log.setup, &values);
-    let mut aligning = true;
-    let step = |sample: &Sample| -> Result<(), SceneError> {
-        if aligning && sample.time > until {
-            aligning = false;
-            if !pilot.depart() {
-                return Err(SceneError::TooShort { updates: 0 });
-            }
-        }
-        pilot.step(sample).map(drop).map_err(SceneError::Diverged)
+    // the alignment gives the solution at its beginning, smoothed: from there the same samples are navigated
+    let mut lost = false;
+    let align = &mut |sample: &Sample| {
+        lost |= sample.time <= until && pilot.step(sample).is_err();
+        if lost || sample.time > until { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    log.try_each(step).ok()?;
+    log.samples.read(align).ok()?;
+    if lost || !pilot.depart() {
+        return None;
+    }
+    log.try_each(|sample| pilot.step(sample).map(drop).map_err(SceneError::Diverged)).ok()?;
     let drift = pilot.drift();
     (drift.comparisons > 0 && drift.largest.is_finite()).then_some(drift.largest)
 }

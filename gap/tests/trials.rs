@@ -33,6 +33,9 @@ fn a_delay_is_found_and_added() {
     let verify = gap.verify.unwrap();
     assert!(verify.log_likelihood_after > verify.log_likelihood_before + 100.0);
     assert!(verify.free_run_after < verify.free_run_before);
+    // free-inertial for half an hour: some hundred metres, and fewer with what was found
+    let drift = gap.fit.horizontal.unwrap();
+    assert!(drift.after_m < drift.before_m && drift.before_m < 2000.0, "{drift:?}");
     let source = d.source.as_deref().unwrap();
     assert!(
         source.contains("base: sinscal::Sins36P") && source.contains("accel_delay: AccelDelay"),
