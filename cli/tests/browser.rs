@@ -5,6 +5,8 @@ use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::thread;
+use std::time::{Duration, Instant};
 
 type Done = Result<(), Box<dyn Error>>;
 
@@ -34,6 +36,9 @@ fn chromium() -> Option<&'static str> {
     found
 }
 
+/// A browser that takes longer hangs: a page takes it a few seconds.
+const PATIENCE: Duration = Duration::from_secs(180);
+
 /// What the browser made of a page.
 struct Opened {
     document: String,
@@ -43,18 +48,30 @@ struct Opened {
 /// Opens a page; `more` are arguments such as what is to be written where.
 fn open(browser: &str, page: &Path, more: &[String]) -> Result<Opened, Box<dyn Error>> {
     let profile = tempfile::tempdir()?;
-    let output = Command::new(browser)
+    let (document, said) = (profile.path().join("document"), profile.path().join("said"));
+    let mut child = Command::new(browser)
         .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run"])
         .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
         .args(["--virtual-time-budget=8000", "--enable-logging=stderr", "--dump-dom"])
         .arg(format!("--user-data-dir={}", profile.path().display()))
         .args(more)
         .arg(format!("file://{}", page.canonicalize()?.display()))
-        .output()?;
-    let said = String::from_utf8_lossy(&output.stderr);
+        .stdout(fs::File::create(&document)?)
+        .stderr(fs::File::create(&said)?)
+        .spawn()?;
+    let started = Instant::now();
+    while child.try_wait()?.is_none() {
+        if started.elapsed() > PATIENCE {
+            child.kill()?;
+            child.wait()?;
+            return Err(format!("{} kept the browser busy for {PATIENCE:?}", page.display()).into());
+        }
+        thread::sleep(Duration::from_millis(20));
+    }
+    let read = |path: &Path| fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
     Ok(Opened {
-        document: String::from_utf8_lossy(&output.stdout).into_owned(),
-        console: said.lines().filter(|line| line.contains("CONSOLE")).map(str::to_owned).collect(),
+        document: read(&document)?,
+        console: read(&said)?.lines().filter(|line| line.contains("CONSOLE")).map(str::to_owned).collect(),
     })
 }
 
