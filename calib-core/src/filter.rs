@@ -31,8 +31,8 @@ pub trait Shape: Sized + 'static {
     type MeasurementRows<T: Real>: Array<Self::Vector<T>>;
     /// M x M numbers.
     type MeasurementMatrix<T: Real>: Array<Self::Measurement<T>>;
-    /// M numbers.
-    type Measurement<T: Real>: Array<T>;
+    /// M of anything.
+    type Measurement<E: Clone + Debug + Send + Sync>: Array<E>;
 
     /// N equal numbers.
     #[inline(always)]
@@ -121,7 +121,7 @@ impl<const N: usize, const C: usize, const M: usize> Shape for Dim<N, C, M> {
     type CoreVector<E: Clone + Debug + Send + Sync> = [E; C];
     type MeasurementRows<T: Real> = [[T; N]; M];
     type MeasurementMatrix<T: Real> = [[T; M]; M];
-    type Measurement<T: Real> = [T; M];
+    type Measurement<E: Clone + Debug + Send + Sync> = [E; M];
 }
 
 /// A declared filter: a [`Block`] that begins with the leading states of its dynamics, and a choice of
