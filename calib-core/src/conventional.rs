@@ -86,6 +86,15 @@ impl<S: Shape, T: Real, M: Machine> Move<'_, S, T, M> {
                 *row = sums[r];
             }
         }
+        if first >= S::CORE {
+            for c in 0..C {
+                if let Some(mirrored) = self.cov[first + c].as_mut_slice()[i..].first_chunk_mut::<R>() {
+                    for r in 0..R {
+                        mirrored[r] = sums[r][c];
+                    }
+                }
+            }
+        }
     }
 }
 
@@ -107,7 +116,17 @@ impl<S: Shape, T: Real, M: Machine> Panel for Move<'_, S, T, M> {
             self.rows::<1, C>(i, first, old.as_slice());
         }
         for i in 0..S::CORE {
-            self.cov[i].as_mut_slice()[first..first + done].copy_from_slice(&old[i][..done]);
+            for c in 0..done {
+                self.cov[i][first + c] = old[i][c];
+                self.cov[first + c][i] = old[i][c];
+            }
+        }
+        if first < S::CORE {
+            for j in S::CORE..core::hint::black_box(first + C) {
+                for i in 0..S::CORE {
+                    self.cov[j][i] = self.cov[i][j];
+                }
+            }
         }
     }
 }
@@ -122,12 +141,7 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
     let mut step = Move::<S, T, M> { cov, rows, machine: PhantomData };
     panels::<12>((S::STATES, S::STATES), &mut step);
     // its transpose goes where it belongs, and serves there as the second factor of the leading block
-    for j in S::CORE..S::STATES {
-        for i in 0..S::CORE {
-            cov[j][i] = cov[i][j];
-        }
-    }
-    for j in 0..S::CORE {
+    for j in 0..core::hint::black_box(S::CORE) {
         for i in 0..j {
             let moved = cov[i][j];
             cov[i][j] = cov[j][i];
@@ -295,7 +309,10 @@ pub(crate) fn update<S: Shape, T: Real, M: Machine>(
     // what was measured far better than it was known is a small difference of large numbers: it is known no better than
     // those are rounded, and certainly not better than exactly
     for i in 0..width {
-        cov[i][i] = cov[i][i].max(removed[i] * T::default_epsilon());
+        let least = removed[i] * T::default_epsilon();
+        if cov[i][i] < least {
+            cov[i][i] = least;
+        }
     }
     Some(whitened)
 }

@@ -232,32 +232,34 @@ fn take_in<S: Shape, T: Real, M: Machine, const R: usize>(
 ) -> Option<()> {
     let mut v = seen_by::<S, T, M, R>(cov, h);
     let mut pulls: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
-    // variance of each innovation over the columns so far, and its inverse
+    // variance of each innovation
     let mut total = [T::one(); R];
     let mut inverse = [T::one(); R];
     for l in 0..R {
-        total[l] = r[l];
-        inverse[l] = if r[l] > T::zero() { T::one() / r[l] } else { T::zero() };
-    }
-    // h_m . g_l over the columns so far
-    let mut shared = [[T::zero(); R]; R];
-    for j in 0..S::STATES {
-        let mut f = v[j];
-        for l in 0..R {
-            v[j][l] = d[j] * f[l];
-            pulls[j][l] = -f[l] * inverse[l];
+        // over the columns so far, and its inverse
+        let mut so_far = r[l];
+        let mut inverse_so_far = if so_far > T::zero() { T::one() / so_far } else { T::zero() };
+        // h_m . g_l over the columns so far
+        let mut shared = [T::zero(); R];
+        for j in 0..S::STATES {
+            let f = v[j];
+            let weighted = d[j] * f[l];
+            let pull = -f[l] * inverse_so_far;
             for m in l + 1..R {
-                let before = f[m];
-                f[m] = M::add_product(before, pulls[j][l], shared[l][m]);
-                shared[l][m] = M::add_product(shared[l][m], v[j][l], before);
+                v[j][m] = M::add_product(f[m], pull, shared[m]);
+                shared[m] = M::add_product(shared[m], weighted, f[m]);
             }
-            if v[j][l] != T::zero() {
-                let grown = M::add_product(total[l], v[j][l], f[l]);
-                inverse[l] = if grown > T::zero() { T::one() / grown } else { T::zero() };
-                d[j] *= total[l] * inverse[l];
-                total[l] = grown;
+            if weighted != T::zero() {
+                let grown = M::add_product(so_far, weighted, f[l]);
+                inverse_so_far = if grown > T::zero() { T::one() / grown } else { T::zero() };
+                d[j] *= so_far * inverse_so_far;
+                so_far = grown;
             }
+            v[j][l] = weighted;
+            pulls[j][l] = pull;
         }
+        total[l] = so_far;
+        inverse[l] = inverse_so_far;
     }
     let gains = turn::<S, T, M, R>(cov, &v, &pulls);
     for l in 0..R {
