@@ -29,7 +29,7 @@ fn measure<S: Shape, T: Real>(
     s: &mut S::MeasurementMatrix<T>,
 ) {
     const R: usize = 3;
-    let mut list = S::indices();
+    let mut list = S::vector(0);
     for first in (0..S::ROWS).step_by(R) {
         let rows = R.min(S::ROWS - first);
         let used = used_columns::<S, T>(&h.as_slice()[first..first + rows], &mut list);

@@ -193,16 +193,16 @@ pub(crate) fn update<S: Shape, T: Real, M: Machine>(
 fn seen_by<S: Shape, T: Real, M: Machine, const R: usize>(
     cov: &S::Matrix<T>,
     h: &[S::Vector<T>],
-) -> S::Vector<[T; 4]> {
-    let mut list = S::indices();
+    seen: &mut S::Vector<[T; 4]>,
+) {
+    let mut list = S::vector(0);
     let used = used_columns::<S, T>(&h[..R], &mut list);
-    let mut across: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
+    let mut across = S::vector([T::zero(); 4]);
     for m in 0..R {
         for j in 0..S::STATES {
             across[j][m] = h[m][j];
         }
     }
-    let mut seen: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
     let left = |j: usize, k: usize| cov[j][k];
     let whole = S::STATES / COLUMNS * COLUMNS;
     for j in (0..whole).step_by(COLUMNS) {
@@ -214,7 +214,6 @@ fn seen_by<S: Shape, T: Real, M: Machine, const R: usize>(
         let ks = list.as_slice()[..used].iter().copied().take_while(|k| *k <= j);
         seen[j] = tile::<M, T, _, 1, 4>(&left, across.as_slice(), ks, (j, 0))[0];
     }
-    seen
 }
 
 /// Takes in the first `R` of the measurements, each as Bierman's scalar update; they go through the columns of U together.
@@ -230,8 +229,9 @@ fn take_in<S: Shape, T: Real, M: Machine, const R: usize>(
     (h, r, z): (&[S::Vector<T>], &[T], &[T]),
     whitened: &mut Whitened<T>,
 ) -> Option<()> {
-    let mut v = seen_by::<S, T, M, R>(cov, h);
-    let mut pulls: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
+    let mut v = S::vector([T::zero(); 4]);
+    let mut pulls = S::vector([T::zero(); 4]);
+    seen_by::<S, T, M, R>(cov, h, &mut v);
     // variance of each innovation
     let mut total = [T::one(); R];
     let mut inverse = [T::one(); R];
@@ -261,7 +261,8 @@ fn take_in<S: Shape, T: Real, M: Machine, const R: usize>(
         total[l] = so_far;
         inverse[l] = inverse_so_far;
     }
-    let gains = turn::<S, T, M, R>(cov, &v, &pulls);
+    let mut gains = [(); R].map(|()| S::vector(T::zero()));
+    turn::<S, T, M, R>(cov, &mut gains, &v, &pulls);
     for l in 0..R {
         if !(total[l] > T::zero()) {
             return None;
@@ -279,30 +280,28 @@ fn take_in<S: Shape, T: Real, M: Machine, const R: usize>(
     Some(())
 }
 
-/// The columns of U after `R` measurements, whose `v` and `pulls` are given by column; returns the gains.
+/// The columns of U after `R` measurements, whose `v` and `pulls` are given by column; and the gains.
 #[inline(always)]
 fn turn<S: Shape, T: Real, M: Machine, const R: usize>(
     cov: &mut S::Matrix<T>,
+    gains: &mut [S::Vector<T>; R],
     v: &S::Vector<[T; 4]>,
     pulls: &S::Vector<[T; 4]>,
-) -> [S::Vector<T>; R] {
-    let none = S::vector(T::zero());
-    let mut gains: [_; R] = core::array::from_fn(|_| none.clone());
+) {
     // as many as fit, then half as many, then one by one
     let mut i = 0;
     while i + ROWS <= S::STATES {
-        turn_rows::<S, T, M, R, ROWS>(cov, &mut gains, i, v, pulls);
+        turn_rows::<S, T, M, R, ROWS>(cov, gains, i, v, pulls);
         i += ROWS;
     }
     if i + ROWS / 2 <= S::STATES {
-        turn_rows::<S, T, M, R, { ROWS / 2 }>(cov, &mut gains, i, v, pulls);
+        turn_rows::<S, T, M, R, { ROWS / 2 }>(cov, gains, i, v, pulls);
         i += ROWS / 2;
     }
     while i < S::STATES {
-        turn_rows::<S, T, M, R, 1>(cov, &mut gains, i, v, pulls);
+        turn_rows::<S, T, M, R, 1>(cov, gains, i, v, pulls);
         i += 1;
     }
-    gains
 }
 
 /// Rows `i..i + C` of all columns of U, from the left to the right. Below the diagonal both U and the gains are still zero.
