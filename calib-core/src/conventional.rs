@@ -4,7 +4,7 @@ use crate::form::{Fade, Form, Whitened, cholesky, is_present, used_columns};
 use crate::machine::{Machine, on_this_machine};
 use core::marker::PhantomData;
 
-use crate::tile::{Panel, add_tile, dot, panels, product, small_product, tile};
+use crate::tile::{Panel, add_tile, dot, in_turn, panels, product, small_product, tile};
 use crate::{Array, Real, Shape};
 
 /// P as it is: the default form.
@@ -122,7 +122,8 @@ impl<S: Shape, T: Real, M: Machine> Panel for Move<'_, S, T, M> {
             }
         }
         if first < S::CORE {
-            for j in S::CORE..core::hint::black_box(first + C) {
+            for j in S::CORE..first + C {
+                in_turn();
                 for i in 0..S::CORE {
                     self.cov[j][i] = self.cov[i][j];
                 }
@@ -141,7 +142,8 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
     let mut step = Move::<S, T, M> { cov, rows, machine: PhantomData };
     panels::<12>((S::STATES, S::STATES), &mut step);
     // its transpose goes where it belongs, and serves there as the second factor of the leading block
-    for j in 0..core::hint::black_box(S::CORE) {
+    for j in 0..S::CORE {
+        in_turn();
         for i in 0..j {
             let moved = cov[i][j];
             cov[i][j] = cov[j][i];
@@ -309,6 +311,7 @@ pub(crate) fn update<S: Shape, T: Real, M: Machine>(
     // what was measured far better than it was known is a small difference of large numbers: it is known no better than
     // those are rounded, and certainly not better than exactly
     for i in 0..width {
+        in_turn();
         let least = removed[i] * T::default_epsilon();
         if cov[i][i] < least {
             cov[i][i] = least;

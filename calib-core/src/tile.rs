@@ -6,6 +6,13 @@
 use crate::machine::Machine;
 use crate::{Array, Real};
 
+/// In the body of a loop: its rounds follow one another. Where they read or write a column the compiler would make lanes of
+/// them, with AVX-512, and gather and scatter those, several times slower.
+#[inline(always)]
+pub(crate) fn in_turn() {
+    core::hint::black_box(());
+}
+
 /// Adds to `sums`, columns `first..first + C` of rows `i..i + R` of a product: the sum over `ks` of `left(row, k)` times row k
 /// of `right`.
 #[inline(always)]

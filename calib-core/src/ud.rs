@@ -2,7 +2,7 @@
 
 use crate::form::{Fade, Form, Whitened, is_present, used_columns};
 use crate::machine::{Machine, on_this_machine};
-use crate::tile::{blocks, dot, tile};
+use crate::tile::{blocks, dot, in_turn, tile};
 use crate::{Array, Real, Shape};
 
 /// P = U D U' with U unit upper triangular and D diagonal: the robust form, and the only one fit for `f32`.
@@ -41,6 +41,7 @@ fn factor<S: Shape, T: Real, M: Machine>(noise: &S::CoreMatrix<T>) -> (S::CoreMa
         weights[j] = if is_driven { row[j] } else { T::zero() };
         let inverse = if is_driven { T::one() / row[j] } else { T::zero() };
         for i in 0..j {
+            in_turn();
             let w = -(row[i] * inverse);
             for k in 0..S::CORE {
                 q[i][k] = M::add_product(q[i][k], w, row[k]);
@@ -66,6 +67,7 @@ const ROWS: usize = 8;
 fn take_weights<S: Shape, T: Real>(cov: &mut S::Matrix<T>) -> S::Vector<T> {
     let mut d = S::vector(T::one());
     for j in 0..S::STATES {
+        in_turn();
         core::mem::swap(&mut d[j], &mut cov[j][j]);
     }
     d
@@ -82,15 +84,16 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
     let zero = S::core_vector(T::zero());
     let mut across: S::Vector<S::CoreVector<T>> = Array::from_fn(|| zero.clone());
     for j in 0..S::STATES {
+        in_turn();
         for i in 0..S::CORE {
             across[j][i] = rows[i][j];
         }
     }
     // columns of [Phi Psi] U, the leading part of them: those of the parameters go where they belong
     let mut moved = S::core_matrix(T::zero());
+    let mut columns = [(); COLUMNS].map(|()| S::core_vector(T::zero()));
     for j in (0..S::STATES).step_by(COLUMNS) {
         let last = S::STATES.min(j + COLUMNS);
-        let mut columns: [S::CoreVector<T>; COLUMNS] = core::array::from_fn(|_| S::core_vector(T::zero()));
         let left = |r: usize, k: usize| cov[j + r][k];
         let mut put = |r: usize, first: usize, values: &[T]| {
             columns[r].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
@@ -113,6 +116,7 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
     }
     orthogonalise::<S, T, M>(machine, cov, &mut d, moved.as_mut_slice(), noise);
     for j in 0..S::STATES {
+        in_turn();
         cov[j][j] = d[j];
     }
 }
@@ -183,6 +187,7 @@ pub(crate) fn update<S: Shape, T: Real, M: Machine>(
         done = done.and_then(|()| take_in::<S, T, _, 1>(machine, (cov, &mut d), x, next, &mut whitened));
     }
     for j in 0..S::STATES {
+        in_turn();
         cov[j][j] = d[j];
     }
     done.map(|()| whitened)
@@ -198,8 +203,9 @@ fn seen_by<S: Shape, T: Real, M: Machine, const R: usize>(
     let mut list = S::vector(0);
     let used = used_columns::<S, T>(&h[..R], &mut list);
     let mut across = S::vector([T::zero(); 4]);
-    for m in 0..R {
-        for j in 0..S::STATES {
+    for j in 0..S::STATES {
+        in_turn();
+        for m in 0..R {
             across[j][m] = h[m][j];
         }
     }
