@@ -150,16 +150,28 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
             cov[j][i] = moved;
         }
     }
+    // the leading block on and below its diagonal: whole columns of tiles, and what they leave
     let left = |i: usize, k: usize| rows[i][k];
-    let mut leading = S::core_matrix(T::zero());
-    let size = (S::CORE, S::CORE);
-    product::<_, _, _, false>(machine, size, left, cov.as_slice(), 0..S::STATES, |i, first, values| {
-        leading[i].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
+    let mut leading = noise.clone();
+    let tiled = S::CORE / 8 * 8;
+    product::<_, _, _, false>(machine, (S::CORE, tiled), left, cov.as_slice(), 0..S::STATES, |i, first, values| {
+        for (sum, value) in leading[i].as_mut_slice()[first..].iter_mut().zip(values) {
+            *sum += *value;
+        }
     });
+    for i in tiled..S::CORE {
+        for l in tiled..=i {
+            let mut moved = cov[l].clone();
+            for k in 0..S::CORE {
+                moved[k] = cov[k][l];
+            }
+            leading[i][l] += dot(machine, rows[i].as_slice(), moved.as_slice());
+        }
+    }
     for i in 0..S::CORE {
         for l in 0..=i {
-            cov[i][l] = noise[i][l] + leading[i][l];
-            cov[l][i] = cov[i][l];
+            cov[i][l] = leading[i][l];
+            cov[l][i] = leading[i][l];
         }
     }
 }
