@@ -1,9 +1,9 @@
 //! The covariance itself, kept symmetric by construction.
 
-use crate::form::{Fade, Form, Whitened, cholesky, is_present, used_columns};
-use crate::machine::{Machine, on_this_machine};
 use core::marker::PhantomData;
 
+use crate::form::{Fade, Form, Whitened, cholesky, is_present, used_columns};
+use crate::machine::{Machine, on_this_machine};
 use crate::tile::{Panel, add_tile, dot, in_turn, panels, product, small_product, tile};
 use crate::{Array, Real, Shape};
 
@@ -35,16 +35,9 @@ fn measure<S: Shape, T: Real>(
         let used = used_columns::<S, T>(&h.as_slice()[first..first + rows], &mut list);
         let ks = list.as_slice()[..used].iter().copied();
         let left = |r: usize, k: usize| h[first + r][k];
-        product::<_, _, _, false>(
-            machine,
-            (rows, S::STATES),
-            left,
-            p.as_slice(),
-            ks.clone(),
-            |r, at, values| {
-                hp[first + r].as_mut_slice()[at..at + values.len()].copy_from_slice(values);
-            },
-        );
+        product(machine, (rows, S::STATES), left, p.as_slice(), ks.clone(), |r, at, values| {
+            hp[first + r].as_mut_slice()[at..at + values.len()].copy_from_slice(values);
+        });
         for against in (0..first + rows).step_by(R) {
             if rows == R {
                 let right = |c: usize, k: usize| hp[against + c][k];
@@ -68,28 +61,29 @@ fn measure<S: Shape, T: Real>(
 }
 
 /// `[Phi Psi] P` in the leading rows of P, in place.
-struct Move<'a, S: Shape, T: Real, M: Machine> {
+struct Move<'a, S: Shape, T: Real, M: Machine, const R: usize> {
     cov: &'a mut S::Matrix<T>,
     rows: &'a S::CoreRows<T>,
     machine: PhantomData<M>,
 }
 
-impl<S: Shape, T: Real, M: Machine> Move<'_, S, T, M> {
-    /// Rows `i..i + R` of some columns, of which the leading rows were `old`.
+impl<S: Shape, T: Real, M: Machine, const R: usize> Move<'_, S, T, M, R> {
+    /// `H` rows from `i` on of some columns, of which the leading rows were `old`.
     #[inline(always)]
-    fn rows<const R: usize, const C: usize>(&mut self, i: usize, first: usize, old: &[[T; C]]) {
+    fn rows<const H: usize, const C: usize>(&mut self, i: usize, first: usize, old: &[[T; C]]) {
         let left = |i: usize, k: usize| self.rows[i][k];
-        let sums = tile::<M, T, _, R, C>(&left, old, 0..S::CORE, (i, 0));
-        let sums = add_tile::<M, T, _, R, C>(sums, &left, self.cov.as_slice(), S::CORE..S::STATES, (i, first));
-        for r in 0..R {
+        let sums = tile::<M, T, _, H, C>(&left, old, 0..S::CORE, (i, 0));
+        let sums =
+            add_tile::<M, T, _, H, C>(sums, &left, self.cov.as_slice(), S::CORE..S::STATES, (i, first));
+        for r in 0..H {
             if let Some(row) = self.cov[i + r].as_mut_slice()[first..].first_chunk_mut::<C>() {
                 *row = sums[r];
             }
         }
         if first >= S::CORE {
             for c in 0..C {
-                if let Some(mirrored) = self.cov[first + c].as_mut_slice()[i..].first_chunk_mut::<R>() {
-                    for r in 0..R {
+                if let Some(mirrored) = self.cov[first + c].as_mut_slice()[i..].first_chunk_mut::<H>() {
+                    for r in 0..H {
                         mirrored[r] = sums[r][c];
                     }
                 }
@@ -98,10 +92,9 @@ impl<S: Shape, T: Real, M: Machine> Move<'_, S, T, M> {
     }
 }
 
-impl<S: Shape, T: Real, M: Machine> Panel for Move<'_, S, T, M> {
+impl<S: Shape, T: Real, M: Machine, const R: usize> Panel for Move<'_, S, T, M, R> {
     #[inline(always)]
     fn columns<const C: usize>(&mut self, first: usize, done: usize) {
-        const R: usize = 3;
         let mut old: S::CoreVector<[T; C]> = S::core_vector([T::zero(); C]);
         for i in 0..S::CORE {
             if let Some(row) = self.cov[i].as_slice()[first..].first_chunk::<C>() {
@@ -116,17 +109,14 @@ impl<S: Shape, T: Real, M: Machine> Panel for Move<'_, S, T, M> {
             self.rows::<1, C>(i, first, old.as_slice());
         }
         for i in 0..S::CORE {
-            for c in 0..done {
-                self.cov[i][first + c] = old[i][c];
-                self.cov[first + c][i] = old[i][c];
-            }
+            self.cov[i].as_mut_slice()[first..first + done].copy_from_slice(&old[i][..done]);
         }
-        if first < S::CORE {
-            for j in S::CORE..first + C {
-                in_turn();
-                for i in 0..S::CORE {
-                    self.cov[j][i] = self.cov[i][j];
-                }
+        // what has not been mirrored yet, or wrongly
+        let end = if first < S::CORE { first + C } else { first + done };
+        for j in S::CORE.max(first)..end {
+            in_turn();
+            for i in 0..S::CORE {
+                self.cov[j][i] = self.cov[i][j];
             }
         }
     }
@@ -139,8 +129,12 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
     rows: &S::CoreRows<T>,
     noise: &S::CoreMatrix<T>,
 ) {
-    let mut step = Move::<S, T, M> { cov, rows, machine: PhantomData };
-    panels::<12>((S::STATES, S::STATES), &mut step);
+    let size = (S::STATES, S::STATES);
+    if M::WIDE {
+        panels::<12>(size, &mut Move::<S, T, M, 3> { cov, rows, machine: PhantomData });
+    } else {
+        panels::<8>(size, &mut Move::<S, T, M, 2> { cov, rows, machine: PhantomData });
+    }
     // its transpose goes where it belongs, and serves there as the second factor of the leading block
     for j in 0..S::CORE {
         in_turn();
@@ -152,12 +146,10 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
     }
     // the leading block on and below its diagonal: whole columns of tiles, and what they leave
     let left = |i: usize, k: usize| rows[i][k];
-    let mut leading = noise.clone();
+    let mut leading = S::core_matrix(T::zero());
     let tiled = S::CORE / 8 * 8;
-    product::<_, _, _, false>(machine, (S::CORE, tiled), left, cov.as_slice(), 0..S::STATES, |i, first, values| {
-        for (sum, value) in leading[i].as_mut_slice()[first..].iter_mut().zip(values) {
-            *sum += *value;
-        }
+    product(machine, (S::CORE, tiled), left, cov.as_slice(), 0..S::STATES, |i, first, values| {
+        leading[i].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
     });
     for i in tiled..S::CORE {
         for l in tiled..=i {
@@ -165,13 +157,13 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
             for k in 0..S::CORE {
                 moved[k] = cov[k][l];
             }
-            leading[i][l] += dot(machine, rows[i].as_slice(), moved.as_slice());
+            leading[i][l] = dot(machine, rows[i].as_slice(), moved.as_slice());
         }
     }
     for i in 0..S::CORE {
         for l in 0..=i {
-            cov[i][l] = leading[i][l];
-            cov[l][i] = leading[i][l];
+            cov[i][l] = noise[i][l] + leading[i][l];
+            cov[l][i] = cov[i][l];
         }
     }
 }
@@ -313,16 +305,20 @@ pub(crate) fn update<S: Shape, T: Real, M: Machine>(
             whitened.log_det += pivots[i].ln();
         }
     }
-    let width = S::STATES;
+    let size = (S::STATES, S::STATES);
     let mut removed = S::vector(T::zero());
     let mut whiten =
         Whiten::<S, T, M> { y: &mut y, x, removed: &mut removed, factor: &s, e: &e, machine: PhantomData };
-    panels::<8>((width, width), &mut whiten);
+    panels::<8>(size, &mut whiten);
     let mut remove = Remove::<S, T, M> { cov, y: &y, machine: PhantomData };
-    panels::<8>((width, width), &mut remove);
+    if M::WIDE {
+        panels::<8>(size, &mut remove);
+    } else {
+        panels::<4>(size, &mut remove);
+    }
     // what was measured far better than it was known is a small difference of large numbers: it is known no better than
     // those are rounded, and certainly not better than exactly
-    for i in 0..width {
+    for i in 0..S::STATES {
         in_turn();
         let least = removed[i] * T::default_epsilon();
         if cov[i][i] < least {

@@ -76,7 +76,9 @@ pub trait Form: Copy + 'static {
 /// Cholesky factor L (lower, S = L L') in place, but for the inverse of its diagonal there; returns the squares of that.
 /// `None` when a pivot is not positive. The next pivot waits for one division, not for the root.
 #[inline(always)]
-pub(crate) fn cholesky<S: Shape, T: Real, M: Machine>(s: &mut S::MeasurementMatrix<T>) -> Option<S::Measurement<T>> {
+pub(crate) fn cholesky<S: Shape, T: Real, M: Machine>(
+    s: &mut S::MeasurementMatrix<T>,
+) -> Option<S::Measurement<T>> {
     let mut pivots = S::measurement(T::zero());
     for j in 0..S::ROWS {
         pivots[j] = s[j][j];

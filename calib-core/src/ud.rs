@@ -101,9 +101,9 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
         // a length the compiler does not know keeps it from taking the tile apart into scalars where all blocks are whole
         let size = (core::hint::black_box(last - j), S::CORE);
         if M::WIDE {
-            blocks::<M, T, _, COLUMNS, 8, false>(size, &left, across.as_slice(), &(0..last), &mut put);
+            blocks::<M, T, _, COLUMNS, 8>(size, &left, across.as_slice(), &(0..last), &mut put);
         } else {
-            blocks::<M, T, _, 2, 8, false>(size, &left, across.as_slice(), &(0..last), &mut put);
+            blocks::<M, T, _, 2, 8>(size, &left, across.as_slice(), &(0..last), &mut put);
         }
         for j in j..last {
             let column = &columns[j % COLUMNS];
