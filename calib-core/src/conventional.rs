@@ -60,39 +60,50 @@ fn measure<S: Shape, T: Real>(
     }
 }
 
-/// `[Phi Psi] P` in the leading rows of P, in place.
-struct Move<'a, S: Shape, T: Real, M: Machine, const R: usize> {
-    cov: &'a mut S::Matrix<T>,
-    rows: &'a S::CoreRows<T>,
-    machine: PhantomData<M>,
-}
-
-impl<S: Shape, T: Real, M: Machine, const R: usize> Move<'_, S, T, M, R> {
-    /// `H` rows from `i` on of some columns, of which the leading rows were `old`.
-    #[inline(always)]
-    fn rows<const H: usize, const C: usize>(&mut self, i: usize, first: usize, old: &[[T; C]]) {
-        let left = |i: usize, k: usize| self.rows[i][k];
-        let sums = tile::<M, T, _, H, C>(&left, old, 0..S::CORE, (i, 0));
-        let sums =
-            add_tile::<M, T, _, H, C>(sums, &left, self.cov.as_slice(), S::CORE..S::STATES, (i, first));
-        for r in 0..H {
-            if let Some(row) = self.cov[i + r].as_mut_slice()[first..].first_chunk_mut::<C>() {
-                *row = sums[r];
-            }
-        }
-        if first >= S::CORE {
-            for c in 0..C {
-                if let Some(mirrored) = self.cov[first + c].as_mut_slice()[i..].first_chunk_mut::<H>() {
-                    for r in 0..H {
-                        mirrored[r] = sums[r][c];
-                    }
-                }
+/// Writes the tile that begins at `(i, first)` to its mirror image.
+#[inline(always)]
+fn mirror<S: Shape, T: Real, const R: usize, const C: usize>(
+    cov: &mut S::Matrix<T>,
+    tile: &[[T; C]; R],
+    (i, first): (usize, usize),
+) {
+    for c in 0..C {
+        if let Some(mirrored) = cov[first + c].as_mut_slice()[i..].first_chunk_mut::<R>() {
+            for r in 0..R {
+                mirrored[r] = tile[r][c];
             }
         }
     }
 }
 
-impl<S: Shape, T: Real, M: Machine, const R: usize> Panel for Move<'_, S, T, M, R> {
+/// `[Phi Psi] P` in place of the leading rows of P, in tiles of `TALL` rows, and its transpose in place of the leading columns
+/// below.
+struct Move<'a, S: Shape, T: Real, M: Machine, const TALL: usize> {
+    cov: &'a mut S::Matrix<T>,
+    rows: &'a S::CoreRows<T>,
+    machine: PhantomData<M>,
+}
+
+impl<S: Shape, T: Real, M: Machine, const TALL: usize> Move<'_, S, T, M, TALL> {
+    /// Rows `i..i + R` of the columns from `first` on, whose leading rows were `old`.
+    #[inline(always)]
+    fn rows<const R: usize, const C: usize>(&mut self, i: usize, first: usize, old: &[[T; C]]) {
+        let left = |i: usize, k: usize| self.rows[i][k];
+        let sums = tile::<M, T, _, R, C>(&left, old, 0..S::CORE, (i, 0));
+        let sums =
+            add_tile::<M, T, _, R, C>(sums, &left, self.cov.as_slice(), S::CORE..S::STATES, (i, first));
+        for r in 0..R {
+            if let Some(row) = self.cov[i + r].as_mut_slice()[first..].first_chunk_mut::<C>() {
+                *row = sums[r];
+            }
+        }
+        if first >= S::CORE {
+            mirror::<S, T, R, C>(self.cov, &sums, (i, first));
+        }
+    }
+}
+
+impl<S: Shape, T: Real, M: Machine, const TALL: usize> Panel for Move<'_, S, T, M, TALL> {
     #[inline(always)]
     fn columns<const C: usize>(&mut self, first: usize, done: usize) {
         let mut old: S::CoreVector<[T; C]> = S::core_vector([T::zero(); C]);
@@ -101,9 +112,9 @@ impl<S: Shape, T: Real, M: Machine, const R: usize> Panel for Move<'_, S, T, M, 
                 old[i] = *row;
             }
         }
-        let whole = S::CORE / R * R;
-        for i in (0..whole).step_by(R) {
-            self.rows::<R, C>(i, first, old.as_slice());
+        let whole = S::CORE / TALL * TALL;
+        for i in (0..whole).step_by(TALL) {
+            self.rows::<TALL, C>(i, first, old.as_slice());
         }
         for i in whole..S::CORE {
             self.rows::<1, C>(i, first, old.as_slice());
@@ -111,7 +122,7 @@ impl<S: Shape, T: Real, M: Machine, const R: usize> Panel for Move<'_, S, T, M, 
         for i in 0..S::CORE {
             self.cov[i].as_mut_slice()[first..first + done].copy_from_slice(&old[i][..done]);
         }
-        // what has not been mirrored yet, or wrongly
+        // what could not be mirrored while others read it, and what was with the columns that were done
         let end = if first < S::CORE { first + C } else { first + done };
         for j in S::CORE.max(first)..end {
             in_turn();
@@ -135,7 +146,7 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
     } else {
         panels::<8>(size, &mut Move::<S, T, M, 2> { cov, rows, machine: PhantomData });
     }
-    // its transpose goes where it belongs, and serves there as the second factor of the leading block
+    // with the transpose of its own in place of the leading block, they serve as the second factor of the new one
     for j in 0..S::CORE {
         in_turn();
         for i in 0..j {
@@ -240,13 +251,7 @@ impl<S: Shape, T: Real, M: Machine> Remove<'_, S, T, M> {
     #[inline(always)]
     fn rows_above<const R: usize, const C: usize>(&mut self, i: usize, first: usize, y: &[[T; C]]) {
         let rest = self.rows::<R, C>(i, first, y);
-        for c in 0..C {
-            if let Some(mirrored) = self.cov[first + c].as_mut_slice()[i..].first_chunk_mut::<R>() {
-                for r in 0..R {
-                    mirrored[r] = rest[r][c];
-                }
-            }
-        }
+        mirror::<S, T, R, C>(self.cov, &rest, (i, first));
     }
 }
 
