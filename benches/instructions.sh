@@ -9,8 +9,8 @@ set -euo pipefail
 cd "$(dirname "$0")/counted"
 
 #       what         few  many  at most
-bounds="conventional 100  1100  40700
-        ud           100  1100  47600
+bounds="conventional 100  1100  31000
+        ud           100  1100  46900
         navigation   2000 42000 3100"
 
 if ! command -v valgrind > /dev/null; then

@@ -1,8 +1,10 @@
 //! The covariance itself, kept symmetric by construction.
 
+use core::marker::PhantomData;
+
 use crate::form::{Fade, Form, Whitened, cholesky, is_present, used_columns};
 use crate::machine::{Machine, on_this_machine};
-use crate::tile::{dot, product, small_product};
+use crate::tile::{Panel, add_tile, dot, in_turn, panels, product, small_product, tile};
 use crate::{Array, Real, Shape};
 
 /// P as it is: the default form.
@@ -23,26 +25,19 @@ fn measure<S: Shape, T: Real>(
     machine: impl Machine,
     h: &S::MeasurementRows<T>,
     p: &S::Matrix<T>,
-) -> (S::MeasurementRows<T>, S::MeasurementMatrix<T>) {
+    hp: &mut S::MeasurementRows<T>,
+    s: &mut S::MeasurementMatrix<T>,
+) {
     const R: usize = 3;
-    let mut hp = S::measurement_rows(T::zero());
-    let mut s = S::measurement_matrix(T::zero());
-    let mut list = S::indices();
+    let mut list = S::vector(0);
     for first in (0..S::ROWS).step_by(R) {
         let rows = R.min(S::ROWS - first);
         let used = used_columns::<S, T>(&h.as_slice()[first..first + rows], &mut list);
         let ks = list.as_slice()[..used].iter().copied();
         let left = |r: usize, k: usize| h[first + r][k];
-        product::<_, _, _, false>(
-            machine,
-            (rows, S::STATES),
-            left,
-            p.as_slice(),
-            ks.clone(),
-            |r, at, values| {
-                hp[first + r].as_mut_slice()[at..at + values.len()].copy_from_slice(values);
-            },
-        );
+        product(machine, (rows, S::STATES), left, p.as_slice(), ks.clone(), |r, at, values| {
+            hp[first + r].as_mut_slice()[at..at + values.len()].copy_from_slice(values);
+        });
         for against in (0..first + rows).step_by(R) {
             if rows == R {
                 let right = |c: usize, k: usize| hp[against + c][k];
@@ -63,7 +58,79 @@ fn measure<S: Shape, T: Real>(
             }
         }
     }
-    (hp, s)
+}
+
+/// Writes the tile that begins at `(i, first)` to its mirror image.
+#[inline(always)]
+fn mirror<S: Shape, T: Real, const R: usize, const C: usize>(
+    cov: &mut S::Matrix<T>,
+    tile: &[[T; C]; R],
+    (i, first): (usize, usize),
+) {
+    for c in 0..C {
+        if let Some(mirrored) = cov[first + c].as_mut_slice()[i..].first_chunk_mut::<R>() {
+            for r in 0..R {
+                mirrored[r] = tile[r][c];
+            }
+        }
+    }
+}
+
+/// `[Phi Psi] P` in place of the leading rows of P, in tiles of `TALL` rows, and its transpose in place of the leading columns
+/// below.
+struct Move<'a, S: Shape, T: Real, M: Machine, const TALL: usize> {
+    cov: &'a mut S::Matrix<T>,
+    rows: &'a S::CoreRows<T>,
+    machine: PhantomData<M>,
+}
+
+impl<S: Shape, T: Real, M: Machine, const TALL: usize> Move<'_, S, T, M, TALL> {
+    /// Rows `i..i + R` of the columns from `first` on, whose leading rows were `old`.
+    #[inline(always)]
+    fn rows<const R: usize, const C: usize>(&mut self, i: usize, first: usize, old: &[[T; C]]) {
+        let left = |i: usize, k: usize| self.rows[i][k];
+        let sums = tile::<M, T, _, R, C>(&left, old, 0..S::CORE, (i, 0));
+        let sums =
+            add_tile::<M, T, _, R, C>(sums, &left, self.cov.as_slice(), S::CORE..S::STATES, (i, first));
+        for r in 0..R {
+            if let Some(row) = self.cov[i + r].as_mut_slice()[first..].first_chunk_mut::<C>() {
+                *row = sums[r];
+            }
+        }
+        if first >= S::CORE {
+            mirror::<S, T, R, C>(self.cov, &sums, (i, first));
+        }
+    }
+}
+
+impl<S: Shape, T: Real, M: Machine, const TALL: usize> Panel for Move<'_, S, T, M, TALL> {
+    #[inline(always)]
+    fn columns<const C: usize>(&mut self, first: usize, done: usize) {
+        let mut old: S::CoreVector<[T; C]> = S::core_vector([T::zero(); C]);
+        for i in 0..S::CORE {
+            if let Some(row) = self.cov[i].as_slice()[first..].first_chunk::<C>() {
+                old[i] = *row;
+            }
+        }
+        let whole = S::CORE / TALL * TALL;
+        for i in (0..whole).step_by(TALL) {
+            self.rows::<TALL, C>(i, first, old.as_slice());
+        }
+        for i in whole..S::CORE {
+            self.rows::<1, C>(i, first, old.as_slice());
+        }
+        for i in 0..S::CORE {
+            self.cov[i].as_mut_slice()[first..first + done].copy_from_slice(&old[i][..done]);
+        }
+        // what could not be mirrored while others read it, and what was with the columns that were done
+        let end = if first < S::CORE { first + C } else { first + done };
+        for j in S::CORE.max(first)..end {
+            in_turn();
+            for i in 0..S::CORE {
+                self.cov[j][i] = self.cov[i][j];
+            }
+        }
+    }
 }
 
 #[inline(always)]
@@ -73,28 +140,144 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
     rows: &S::CoreRows<T>,
     noise: &S::CoreMatrix<T>,
 ) {
-    let mut moved = S::core_rows(T::zero());
-    let left = |i: usize, k: usize| rows[i][k];
-    let size = (S::CORE, S::STATES);
-    product::<_, _, _, false>(machine, size, left, cov.as_slice(), 0..S::STATES, |i, first, values| {
-        moved[i].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
-    });
-    // its transpose goes where it belongs, and serves there as the second factor of the leading block
-    for j in 0..S::STATES {
-        for i in 0..S::CORE {
-            cov[j][i] = moved[i][j];
+    let size = (S::STATES, S::STATES);
+    if M::WIDE {
+        panels::<12>(size, &mut Move::<S, T, M, 3> { cov, rows, machine: PhantomData });
+    } else {
+        panels::<8>(size, &mut Move::<S, T, M, 2> { cov, rows, machine: PhantomData });
+    }
+    // with the transpose of its own in place of the leading block, they serve as the second factor of the new one
+    for j in 0..S::CORE {
+        in_turn();
+        for i in 0..j {
+            let moved = cov[i][j];
+            cov[i][j] = cov[j][i];
+            cov[j][i] = moved;
         }
     }
+    // the leading block on and below its diagonal: whole columns of tiles, and what they leave
+    let left = |i: usize, k: usize| rows[i][k];
     let mut leading = S::core_matrix(T::zero());
-    let size = (S::CORE, S::CORE);
-    product::<_, _, _, false>(machine, size, left, cov.as_slice(), 0..S::STATES, |i, first, values| {
+    let tiled = S::CORE / 8 * 8;
+    product(machine, (S::CORE, tiled), left, cov.as_slice(), 0..S::STATES, |i, first, values| {
         leading[i].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
     });
+    for i in tiled..S::CORE {
+        for l in tiled..=i {
+            let mut moved = cov[l].clone();
+            for k in 0..S::CORE {
+                moved[k] = cov[k][l];
+            }
+            leading[i][l] = dot(machine, rows[i].as_slice(), moved.as_slice());
+        }
+    }
     for i in 0..S::CORE {
-        cov[i].as_mut_slice()[S::CORE..].copy_from_slice(&moved[i].as_slice()[S::CORE..]);
         for l in 0..=i {
             cov[i][l] = noise[i][l] + leading[i][l];
             cov[l][i] = cov[i][l];
+        }
+    }
+}
+
+/// Turns `H P` into `Y = L^-1 H P`, and with it corrects the state and sums up the variance that is removed from each.
+struct Whiten<'a, S: Shape, T: Real, M: Machine> {
+    y: &'a mut S::MeasurementRows<T>,
+    x: &'a mut S::Vector<T>,
+    removed: &'a mut S::Vector<T>,
+    factor: &'a S::MeasurementMatrix<T>,
+    e: &'a S::Measurement<T>,
+    machine: PhantomData<M>,
+}
+
+impl<S: Shape, T: Real, M: Machine> Panel for Whiten<'_, S, T, M> {
+    #[inline(always)]
+    fn columns<const C: usize>(&mut self, first: usize, done: usize) {
+        let mut y: S::Measurement<[T; C]> = Array::from_fn(|| [T::zero(); C]);
+        for i in 0..S::ROWS {
+            if let Some(row) = self.y[i].as_slice()[first..].first_chunk::<C>() {
+                y[i] = *row;
+            }
+        }
+        let (mut gain, mut removed) = ([T::zero(); C], [T::zero(); C]);
+        for i in 0..S::ROWS {
+            let mut row = y[i];
+            for k in 0..i {
+                for c in 0..C {
+                    row[c] = M::add_product(row[c], -self.factor[i][k], y[k][c]);
+                }
+            }
+            for c in 0..C {
+                row[c] *= self.factor[i][i];
+                gain[c] = M::add_product(gain[c], self.e[i], row[c]);
+                removed[c] = M::add_product(removed[c], row[c], row[c]);
+            }
+            y[i] = row;
+            self.y[i].as_mut_slice()[first + done..first + C].copy_from_slice(&row[done..]);
+        }
+        for c in done..C {
+            self.x[first + c] += gain[c];
+            self.removed[first + c] = removed[c];
+        }
+    }
+}
+
+/// `P - Y'Y`: what is on and above the diagonal is computed, in tiles, and mirrored.
+struct Remove<'a, S: Shape, T: Real, M: Machine> {
+    cov: &'a mut S::Matrix<T>,
+    y: &'a S::MeasurementRows<T>,
+    machine: PhantomData<M>,
+}
+
+impl<S: Shape, T: Real, M: Machine> Remove<'_, S, T, M> {
+    /// Rows `i..i + R` of the columns from `first` on.
+    #[inline(always)]
+    fn rows<const R: usize, const C: usize>(&mut self, i: usize, first: usize, y: &[[T; C]]) -> [[T; C]; R] {
+        let left = |i: usize, m: usize| self.y[m][i];
+        // a length the compiler does not know keeps it from unrolling this loop and gathering across the tiles instead
+        let ks = 0..core::hint::black_box(S::ROWS);
+        let mut rest = tile::<M, T, _, R, C>(&left, y, ks, (i, 0));
+        for r in 0..R {
+            if let Some(row) = self.cov[i + r].as_mut_slice()[first..].first_chunk_mut::<C>() {
+                for c in 0..C {
+                    rest[r][c] = row[c] - rest[r][c];
+                }
+                *row = rest[r];
+            }
+        }
+        rest
+    }
+
+    /// [`rows`](Self::rows) above the diagonal, and their mirror image.
+    #[inline(always)]
+    fn rows_above<const R: usize, const C: usize>(&mut self, i: usize, first: usize, y: &[[T; C]]) {
+        let rest = self.rows::<R, C>(i, first, y);
+        mirror::<S, T, R, C>(self.cov, &rest, (i, first));
+    }
+}
+
+impl<S: Shape, T: Real, M: Machine> Panel for Remove<'_, S, T, M> {
+    #[inline(always)]
+    fn columns<const C: usize>(&mut self, first: usize, done: usize) {
+        const R: usize = 4;
+        // nothing is removed once more from what is done
+        let mut y: S::Measurement<[T; C]> = Array::from_fn(|| [T::zero(); C]);
+        for m in 0..S::ROWS {
+            y[m][done..].copy_from_slice(&self.y[m].as_slice()[first + done..first + C]);
+        }
+        let (y, above, end) = (y.as_slice(), first + done, first + C);
+        let whole = above / R * R;
+        for i in (0..whole).step_by(R) {
+            self.rows_above::<R, C>(i, first, y);
+        }
+        for i in whole..above {
+            self.rows_above::<1, C>(i, first, y);
+        }
+        let whole = above + (end - above) / R * R;
+        for i in (above..whole).step_by(R) {
+            self.rows::<R, C>(i, first, y);
+        }
+        for i in whole..end {
+            self.rows::<1, C>(i, first, y);
         }
     }
 }
@@ -108,59 +291,44 @@ pub(crate) fn update<S: Shape, T: Real, M: Machine>(
     r: &S::Measurement<T>,
     z: &S::Measurement<T>,
 ) -> Option<Whitened<T>> {
-    let (mut y, mut s) = measure::<S, T>(machine, h, cov);
+    let (mut y, mut s) = (S::measurement_rows(T::zero()), S::measurement_matrix(T::zero()));
+    measure::<S, T>(machine, h, cov, &mut y, &mut s);
     for i in 0..S::ROWS {
         s[i][i] += if is_present::<S, T>(&h[i]) { r[i] } else { T::one() };
     }
-    cholesky::<S, T>(&mut s)?;
+    let pivots = cholesky::<S, T, M>(&mut s)?;
     let mut whitened = Whitened { nis: T::zero(), log_det: T::zero() };
     let mut e = S::measurement(T::zero());
-    let width = S::STATES;
     for i in 0..S::ROWS {
-        let inverse = T::one() / s[i][i];
         let mut residual = z[i] - dot(machine, h[i].as_slice(), x.as_slice());
         for k in 0..i {
-            residual -= s[i][k] * e[k];
+            residual = M::add_product(residual, -s[i][k], e[k]);
         }
-        e[i] = residual * inverse;
-        let (done, rest) = y.as_mut_slice().split_at_mut(i);
-        let row = rest[0].as_mut_slice();
-        for v in row.iter_mut() {
-            *v *= inverse;
-        }
-        let left = |_: usize, k: usize| s[i][k] * inverse;
-        product::<_, _, _, true>(machine, (1, width), left, done, 0..i, |_, first, values| {
-            for (y, value) in row[first..].iter_mut().zip(values) {
-                *y -= *value;
-            }
-        });
+        e[i] = residual * s[i][i];
         if is_present::<S, T>(&h[i]) {
             whitened.nis += e[i] * e[i];
-            whitened.log_det += T::of(2.0) * s[i][i].ln();
+            whitened.log_det += pivots[i].ln();
         }
     }
-    let gain = |_: usize, m: usize| e[m];
-    product::<_, _, _, true>(machine, (1, width), gain, y.as_slice(), 0..S::ROWS, |_, first, values| {
-        for (x, value) in x.as_mut_slice()[first..].iter_mut().zip(values) {
-            *x += *value;
-        }
-    });
-    let left = |i: usize, m: usize| y[m][i];
-    // a length the compiler does not know keeps it from unrolling this loop and gathering across the tiles instead
-    let ks = 0..core::hint::black_box(S::ROWS);
-    product::<_, _, _, true>(machine, (width, width), left, y.as_slice(), ks, |i, first, values| {
-        for (p, value) in cov[i].as_mut_slice()[first..].iter_mut().zip(values) {
-            *p -= *value;
-        }
-    });
+    let size = (S::STATES, S::STATES);
+    let mut removed = S::vector(T::zero());
+    let mut whiten =
+        Whiten::<S, T, M> { y: &mut y, x, removed: &mut removed, factor: &s, e: &e, machine: PhantomData };
+    panels::<8>(size, &mut whiten);
+    let mut remove = Remove::<S, T, M> { cov, y: &y, machine: PhantomData };
+    if M::WIDE {
+        panels::<8>(size, &mut remove);
+    } else {
+        panels::<4>(size, &mut remove);
+    }
     // what was measured far better than it was known is a small difference of large numbers: it is known no better than
     // those are rounded, and certainly not better than exactly
-    for i in 0..width {
-        let mut removed = T::zero();
-        for m in 0..S::ROWS {
-            removed += y[m][i] * y[m][i];
+    for i in 0..S::STATES {
+        in_turn();
+        let least = removed[i] * T::default_epsilon();
+        if cov[i][i] < least {
+            cov[i][i] = least;
         }
-        cov[i][i] = cov[i][i].max(removed * T::default_epsilon());
     }
     Some(whitened)
 }
@@ -197,7 +365,8 @@ impl Form for Conventional {
     }
 
     fn project<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::MeasurementRows<T>) -> S::MeasurementMatrix<T> {
-        let mut s = on_this_machine!(machine => measure::<S, T>(machine, h, cov)).1;
+        let (mut hp, mut s) = (S::measurement_rows(T::zero()), S::measurement_matrix(T::zero()));
+        on_this_machine!(machine => measure::<S, T>(machine, h, cov, &mut hp, &mut s));
         for i in 0..S::ROWS {
             for j in 0..i {
                 s[j][i] = s[i][j];

@@ -30,7 +30,7 @@ impl<N: ArraySize, C: ArraySize, M: ArraySize> Shape for Grown<N, C, M> {
     type CoreVector<E: Clone + Debug + Send + Sync> = hybrid_array::Array<E, C>;
     type MeasurementRows<T: Real> = hybrid_array::Array<Self::Vector<T>, M>;
     type MeasurementMatrix<T: Real> = hybrid_array::Array<Self::Measurement<T>, M>;
-    type Measurement<T: Real> = hybrid_array::Array<T, M>;
+    type Measurement<E: Clone + Debug + Send + Sync> = hybrid_array::Array<E, M>;
 }
 
 impl<E: Clone + Debug + Send + Sync, N: ArraySize> Array<E> for hybrid_array::Array<E, N> {

@@ -31,18 +31,13 @@ pub trait Shape: Sized + 'static {
     type MeasurementRows<T: Real>: Array<Self::Vector<T>>;
     /// M x M numbers.
     type MeasurementMatrix<T: Real>: Array<Self::Measurement<T>>;
-    /// M numbers.
-    type Measurement<T: Real>: Array<T>;
+    /// M of anything.
+    type Measurement<E: Clone + Debug + Send + Sync>: Array<E>;
 
-    /// N equal numbers.
+    /// N times the same.
     #[inline(always)]
-    fn vector<T: Real>(value: T) -> Self::Vector<T> {
+    fn vector<E: Copy + Debug + Send + Sync>(value: E) -> Self::Vector<E> {
         Array::from_fn(|| value)
-    }
-    /// N indices, all zero.
-    #[inline(always)]
-    fn indices() -> Self::Vector<usize> {
-        Array::from_fn(|| 0)
     }
     /// N x N equal numbers.
     #[inline(always)]
@@ -121,7 +116,13 @@ impl<const N: usize, const C: usize, const M: usize> Shape for Dim<N, C, M> {
     type CoreVector<E: Clone + Debug + Send + Sync> = [E; C];
     type MeasurementRows<T: Real> = [[T; N]; M];
     type MeasurementMatrix<T: Real> = [[T; M]; M];
-    type Measurement<T: Real> = [T; M];
+    type Measurement<E: Clone + Debug + Send + Sync> = [E; M];
+
+    // in place: `from_fn` makes an array of arrays elsewhere and copies it
+    #[inline(always)]
+    fn vector<E: Copy + Debug + Send + Sync>(value: E) -> [E; N] {
+        [value; N]
+    }
 }
 
 /// A declared filter: a [`Block`] that begins with the leading states of its dynamics, and a choice of

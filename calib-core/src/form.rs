@@ -1,5 +1,6 @@
 //! How a covariance is kept: [`Conventional`](crate::Conventional) or [`Ud`](crate::Ud).
 
+use crate::machine::Machine;
 use crate::{Array, Real, Relaxation, Shape};
 
 /// One parameter state that is not constant, over an interval.
@@ -72,26 +73,31 @@ pub trait Form: Copy + 'static {
     fn dense<S: Shape, T: Real>(cov: &S::Matrix<T>, p: &mut S::Matrix<T>);
 }
 
-/// Cholesky factor L (lower, S = L L') in place; `None` when a pivot is not positive.
+/// Cholesky factor L (lower, S = L L') in place, but for the inverse of its diagonal there; returns the squares of that.
+/// `None` when a pivot is not positive. The next pivot waits for one division, not for the root.
 #[inline(always)]
-pub(crate) fn cholesky<S: Shape, T: Real>(s: &mut S::MeasurementMatrix<T>) -> Option<()> {
-    for i in 0..S::ROWS {
-        for j in 0..=i {
-            let mut sum = s[i][j];
-            for k in 0..j {
-                sum -= s[i][k] * s[j][k];
-            }
-            s[i][j] = if i == j {
-                if !(sum > T::zero()) {
-                    return None;
-                }
-                sum.sqrt()
-            } else {
-                sum / s[j][j]
-            };
+pub(crate) fn cholesky<S: Shape, T: Real, M: Machine>(
+    s: &mut S::MeasurementMatrix<T>,
+) -> Option<S::Measurement<T>> {
+    let mut pivots = S::measurement(T::zero());
+    for j in 0..S::ROWS {
+        pivots[j] = s[j][j];
+        if !(pivots[j] > T::zero()) {
+            return None;
         }
+        let (inverse, root) = (T::one() / pivots[j], T::one() / pivots[j].sqrt());
+        for i in j + 1..S::ROWS {
+            let weight = -(s[i][j] * inverse);
+            for k in j + 1..=i {
+                s[i][k] = M::add_product(s[i][k], weight, s[k][j]);
+            }
+        }
+        for i in j + 1..S::ROWS {
+            s[i][j] *= root;
+        }
+        s[j][j] = root;
     }
-    Some(())
+    Some(pivots)
 }
 
 /// Whether measurement `row` is present: a row of zeros measures nothing.
@@ -103,12 +109,16 @@ pub(crate) fn is_present<S: Shape, T: Real>(row: &S::Vector<T>) -> bool {
 /// Writes down which columns of some measurement rows have entries, and returns how many.
 #[inline(always)]
 pub(crate) fn used_columns<S: Shape, T: Real>(rows: &[S::Vector<T>], list: &mut S::Vector<usize>) -> usize {
+    let mut size = S::vector(T::zero());
+    for row in rows {
+        for k in 0..S::STATES {
+            size[k] += row[k].abs();
+        }
+    }
     let mut used = 0;
     for k in 0..S::STATES {
-        if rows.iter().any(|row| row[k] != T::zero()) {
-            list[used] = k;
-            used += 1;
-        }
+        list[used] = k;
+        used += usize::from(size[k] != T::zero());
     }
     used
 }

@@ -90,54 +90,48 @@ mod tests {
     use super::{Fused, Portable};
     use crate::{Conventional, Dim, Form, Shape, Ud, conventional, ud};
 
-    type S = Dim<43, 9, 6>;
-
     /// A cycle of either form, with the same machine or with another, from the same start.
     macro_rules! cycle {
         ($form:ident, $machine:expr, $p:expr, $case:expr) => {{
             let (rows, noise, h) = $case;
-            let mut x = [0.1; 43];
+            let (mut x, r, z) = (S::vector(0.1), S::measurement(0.5), S::measurement(0.3));
             $form::propagate::<S, f64, _>($machine, $p, rows, noise);
-            let whitened = $form::update::<S, f64, _>($machine, $p, &mut x, h, &[0.5; 6], &[0.3; 6]);
+            let whitened = $form::update::<S, f64, _>($machine, $p, &mut x, h, &r, &z);
             (x, whitened.expect("positive definite"))
         }};
     }
 
-    fn dense<C: Form>(cov: &<S as Shape>::Matrix<f64>) -> <S as Shape>::Matrix<f64> {
+    fn dense<S: Shape, C: Form>(cov: &S::Matrix<f64>) -> S::Matrix<f64> {
         let mut p = S::matrix(0.0);
         C::dense::<S, f64>(cov, &mut p);
         p
     }
 
-    #[test]
-    fn results_do_not_depend_on_the_machine_beyond_rounding() {
-        if fearless_simd::Level::new().as_avx2().is_none() {
-            println!("skipped: this processor has no AVX2");
-            return;
-        }
+    /// Whether the machines give the same bits, which they need not; asserts that they agree within rounding.
+    fn compare<S: Shape>() -> bool {
         let wave = |i: usize, j: usize| ((i * 31 + j * 17) as f64).sin();
         let mut rows = S::core_rows(0.0);
         let mut noise = S::core_matrix(0.0);
         let mut h = S::measurement_rows(0.0);
-        for j in 0..43 {
-            for i in 0..9 {
+        for j in 0..S::STATES {
+            for i in 0..S::CORE {
                 rows[i][j] = 0.1 * wave(i, j) + if i == j { 1.0 } else { 0.0 };
             }
-            for m in 0..6 {
+            for m in 0..S::ROWS {
                 h[m][j] = if j % 3 == 0 { wave(m, j) } else { 0.0 };
             }
         }
-        for i in 0..9 {
+        for i in 0..S::CORE {
             noise[i][i] = 0.1;
         }
         let case = (&rows, &noise, &h);
-        let [mut a, mut b] = [S::matrix(0.0); 2];
-        let [mut c, mut d] = [S::matrix(0.0); 2];
+        let [mut a, mut b] = [S::matrix(0.0), S::matrix(0.0)];
+        let [mut c, mut d] = [S::matrix(0.0), S::matrix(0.0)];
         for p in [&mut a, &mut b] {
-            Conventional::set_diagonal::<S, f64>(p, &[2.0; 43]);
+            Conventional::set_diagonal::<S, f64>(p, &S::vector(2.0));
         }
         for p in [&mut c, &mut d] {
-            Ud::set_diagonal::<S, f64>(p, &[2.0; 43]);
+            Ud::set_diagonal::<S, f64>(p, &S::vector(2.0));
         }
         for _ in 0..10 {
             let one = cycle!(conventional, Portable, &mut a, case);
@@ -147,22 +141,34 @@ mod tests {
             let fourth = avx2(|| cycle!(ud, Fused, &mut d, case));
             for found in [other, third, fourth] {
                 assert!((found.1.nis - one.1.nis).abs() < 1e-11 * one.1.nis);
-                for j in 0..43 {
+                for j in 0..S::STATES {
                     assert!((found.0[j] - one.0[j]).abs() < 1e-11);
                 }
             }
         }
-        let (c, d) = (dense::<Ud>(&c), dense::<Ud>(&d));
+        let (c, d) = (dense::<S, Ud>(&c), dense::<S, Ud>(&d));
         let mut differ = false;
-        for i in 0..43 {
-            for j in 0..43 {
+        for i in 0..S::STATES {
+            for j in 0..S::STATES {
                 for found in [&b, &c, &d] {
                     assert!((found[i][j] - a[i][j]).abs() < 1e-11, "({i}, {j})");
                 }
                 differ |= a[i][j].to_bits() != b[i][j].to_bits();
             }
         }
-        assert!(differ || cfg!(target_feature = "fma"), "the machines computed with the same instructions");
+        !differ
+    }
+
+    #[test]
+    fn results_do_not_depend_on_the_machine_beyond_rounding() {
+        if fearless_simd::Level::new().as_avx2().is_none() {
+            println!("skipped: this processor has no AVX2");
+            return;
+        }
+        let same = compare::<Dim<43, 9, 6>>();
+        assert!(!same || cfg!(target_feature = "fma"), "the machines computed with the same instructions");
+        // where the portable tiles compute columns twice that begin among the leading ones
+        compare::<Dim<11, 9, 3>>();
     }
 
     fn avx2<R>(kernel: impl FnOnce() -> R) -> R {

@@ -2,7 +2,7 @@
 
 use crate::form::{Fade, Form, Whitened, is_present, used_columns};
 use crate::machine::{Machine, on_this_machine};
-use crate::tile::{blocks, dot, tile};
+use crate::tile::{blocks, dot, in_turn, tile};
 use crate::{Array, Real, Shape};
 
 /// P = U D U' with U unit upper triangular and D diagonal: the robust form, and the only one fit for `f32`.
@@ -41,6 +41,7 @@ fn factor<S: Shape, T: Real, M: Machine>(noise: &S::CoreMatrix<T>) -> (S::CoreMa
         weights[j] = if is_driven { row[j] } else { T::zero() };
         let inverse = if is_driven { T::one() / row[j] } else { T::zero() };
         for i in 0..j {
+            in_turn();
             let w = -(row[i] * inverse);
             for k in 0..S::CORE {
                 q[i][k] = M::add_product(q[i][k], w, row[k]);
@@ -66,6 +67,7 @@ const ROWS: usize = 8;
 fn take_weights<S: Shape, T: Real>(cov: &mut S::Matrix<T>) -> S::Vector<T> {
     let mut d = S::vector(T::one());
     for j in 0..S::STATES {
+        in_turn();
         core::mem::swap(&mut d[j], &mut cov[j][j]);
     }
     d
@@ -82,15 +84,16 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
     let zero = S::core_vector(T::zero());
     let mut across: S::Vector<S::CoreVector<T>> = Array::from_fn(|| zero.clone());
     for j in 0..S::STATES {
+        in_turn();
         for i in 0..S::CORE {
             across[j][i] = rows[i][j];
         }
     }
     // columns of [Phi Psi] U, the leading part of them: those of the parameters go where they belong
     let mut moved = S::core_matrix(T::zero());
+    let mut columns = [(); COLUMNS].map(|()| S::core_vector(T::zero()));
     for j in (0..S::STATES).step_by(COLUMNS) {
         let last = S::STATES.min(j + COLUMNS);
-        let mut columns: [S::CoreVector<T>; COLUMNS] = core::array::from_fn(|_| S::core_vector(T::zero()));
         let left = |r: usize, k: usize| cov[j + r][k];
         let mut put = |r: usize, first: usize, values: &[T]| {
             columns[r].as_mut_slice()[first..first + values.len()].copy_from_slice(values);
@@ -98,9 +101,9 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
         // a length the compiler does not know keeps it from taking the tile apart into scalars where all blocks are whole
         let size = (core::hint::black_box(last - j), S::CORE);
         if M::WIDE {
-            blocks::<M, T, _, COLUMNS, 8, false>(size, &left, across.as_slice(), &(0..last), &mut put);
+            blocks::<M, T, _, COLUMNS, 8>(size, &left, across.as_slice(), &(0..last), &mut put);
         } else {
-            blocks::<M, T, _, 2, 8, false>(size, &left, across.as_slice(), &(0..last), &mut put);
+            blocks::<M, T, _, 2, 8>(size, &left, across.as_slice(), &(0..last), &mut put);
         }
         for j in j..last {
             let column = &columns[j % COLUMNS];
@@ -113,6 +116,7 @@ pub(crate) fn propagate<S: Shape, T: Real, M: Machine>(
     }
     orthogonalise::<S, T, M>(machine, cov, &mut d, moved.as_mut_slice(), noise);
     for j in 0..S::STATES {
+        in_turn();
         cov[j][j] = d[j];
     }
 }
@@ -183,6 +187,7 @@ pub(crate) fn update<S: Shape, T: Real, M: Machine>(
         done = done.and_then(|()| take_in::<S, T, _, 1>(machine, (cov, &mut d), x, next, &mut whitened));
     }
     for j in 0..S::STATES {
+        in_turn();
         cov[j][j] = d[j];
     }
     done.map(|()| whitened)
@@ -193,16 +198,17 @@ pub(crate) fn update<S: Shape, T: Real, M: Machine>(
 fn seen_by<S: Shape, T: Real, M: Machine, const R: usize>(
     cov: &S::Matrix<T>,
     h: &[S::Vector<T>],
-) -> S::Vector<[T; 4]> {
-    let mut list = S::indices();
+    seen: &mut S::Vector<[T; 4]>,
+) {
+    let mut list = S::vector(0);
     let used = used_columns::<S, T>(&h[..R], &mut list);
-    let mut across: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
-    for m in 0..R {
-        for j in 0..S::STATES {
+    let mut across = S::vector([T::zero(); 4]);
+    for j in 0..S::STATES {
+        in_turn();
+        for m in 0..R {
             across[j][m] = h[m][j];
         }
     }
-    let mut seen: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
     let left = |j: usize, k: usize| cov[j][k];
     let whole = S::STATES / COLUMNS * COLUMNS;
     for j in (0..whole).step_by(COLUMNS) {
@@ -214,7 +220,6 @@ fn seen_by<S: Shape, T: Real, M: Machine, const R: usize>(
         let ks = list.as_slice()[..used].iter().copied().take_while(|k| *k <= j);
         seen[j] = tile::<M, T, _, 1, 4>(&left, across.as_slice(), ks, (j, 0))[0];
     }
-    seen
 }
 
 /// Takes in the first `R` of the measurements, each as Bierman's scalar update; they go through the columns of U together.
@@ -230,36 +235,40 @@ fn take_in<S: Shape, T: Real, M: Machine, const R: usize>(
     (h, r, z): (&[S::Vector<T>], &[T], &[T]),
     whitened: &mut Whitened<T>,
 ) -> Option<()> {
-    let mut v = seen_by::<S, T, M, R>(cov, h);
-    let mut pulls: S::Vector<[T; 4]> = Array::from_fn(|| [T::zero(); 4]);
-    // variance of each innovation over the columns so far, and its inverse
+    let mut v = S::vector([T::zero(); 4]);
+    let mut pulls = S::vector([T::zero(); 4]);
+    seen_by::<S, T, M, R>(cov, h, &mut v);
+    // variance of each innovation
     let mut total = [T::one(); R];
     let mut inverse = [T::one(); R];
     for l in 0..R {
-        total[l] = r[l];
-        inverse[l] = if r[l] > T::zero() { T::one() / r[l] } else { T::zero() };
-    }
-    // h_m . g_l over the columns so far
-    let mut shared = [[T::zero(); R]; R];
-    for j in 0..S::STATES {
-        let mut f = v[j];
-        for l in 0..R {
-            v[j][l] = d[j] * f[l];
-            pulls[j][l] = -f[l] * inverse[l];
+        // over the columns so far, and its inverse
+        let mut so_far = r[l];
+        let mut inverse_so_far = if so_far > T::zero() { T::one() / so_far } else { T::zero() };
+        // h_m . g_l over the columns so far
+        let mut shared = [T::zero(); R];
+        for j in 0..S::STATES {
+            let f = v[j];
+            let weighted = d[j] * f[l];
+            let pull = -f[l] * inverse_so_far;
             for m in l + 1..R {
-                let before = f[m];
-                f[m] = M::add_product(before, pulls[j][l], shared[l][m]);
-                shared[l][m] = M::add_product(shared[l][m], v[j][l], before);
+                v[j][m] = M::add_product(f[m], pull, shared[m]);
+                shared[m] = M::add_product(shared[m], weighted, f[m]);
             }
-            if v[j][l] != T::zero() {
-                let grown = M::add_product(total[l], v[j][l], f[l]);
-                inverse[l] = if grown > T::zero() { T::one() / grown } else { T::zero() };
-                d[j] *= total[l] * inverse[l];
-                total[l] = grown;
+            if weighted != T::zero() {
+                let grown = M::add_product(so_far, weighted, f[l]);
+                inverse_so_far = if grown > T::zero() { T::one() / grown } else { T::zero() };
+                d[j] *= so_far * inverse_so_far;
+                so_far = grown;
             }
+            v[j][l] = weighted;
+            pulls[j][l] = pull;
         }
+        total[l] = so_far;
+        inverse[l] = inverse_so_far;
     }
-    let gains = turn::<S, T, M, R>(cov, &v, &pulls);
+    let mut gains = [(); R].map(|()| S::vector(T::zero()));
+    turn::<S, T, M, R>(cov, &mut gains, &v, &pulls);
     for l in 0..R {
         if !(total[l] > T::zero()) {
             return None;
@@ -277,30 +286,28 @@ fn take_in<S: Shape, T: Real, M: Machine, const R: usize>(
     Some(())
 }
 
-/// The columns of U after `R` measurements, whose `v` and `pulls` are given by column; returns the gains.
+/// The columns of U after `R` measurements, whose `v` and `pulls` are given by column; and the gains.
 #[inline(always)]
 fn turn<S: Shape, T: Real, M: Machine, const R: usize>(
     cov: &mut S::Matrix<T>,
+    gains: &mut [S::Vector<T>; R],
     v: &S::Vector<[T; 4]>,
     pulls: &S::Vector<[T; 4]>,
-) -> [S::Vector<T>; R] {
-    let none = S::vector(T::zero());
-    let mut gains: [_; R] = core::array::from_fn(|_| none.clone());
+) {
     // as many as fit, then half as many, then one by one
     let mut i = 0;
     while i + ROWS <= S::STATES {
-        turn_rows::<S, T, M, R, ROWS>(cov, &mut gains, i, v, pulls);
+        turn_rows::<S, T, M, R, ROWS>(cov, gains, i, v, pulls);
         i += ROWS;
     }
     if i + ROWS / 2 <= S::STATES {
-        turn_rows::<S, T, M, R, { ROWS / 2 }>(cov, &mut gains, i, v, pulls);
+        turn_rows::<S, T, M, R, { ROWS / 2 }>(cov, gains, i, v, pulls);
         i += ROWS / 2;
     }
     while i < S::STATES {
-        turn_rows::<S, T, M, R, 1>(cov, &mut gains, i, v, pulls);
+        turn_rows::<S, T, M, R, 1>(cov, gains, i, v, pulls);
         i += 1;
     }
-    gains
 }
 
 /// Rows `i..i + C` of all columns of U, from the left to the right. Below the diagonal both U and the gains are still zero.
