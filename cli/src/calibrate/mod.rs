@@ -136,6 +136,9 @@ impl Arguments {
                 LARGEST_TURN / DEGREE
             ));
         }
+        if let Some(doubt) = text::doubt(filter.name, &outcome, passes) {
+            say::warn(&doubt);
+        }
         if outcome.bridged.gaps > 0 {
             let (gaps, rows) = (outcome.bridged.gaps, outcome.bridged.rows);
             say::remark(&format!("{gaps} gaps were filled with {rows} interpolated rows"));

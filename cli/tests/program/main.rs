@@ -1,5 +1,6 @@
 //! Tests that run the built program.
 
+mod bombs;
 mod broken_inputs;
 mod coarse;
 mod commands;
