@@ -18,8 +18,6 @@ const FITS: (f64, f64) = (0.8, 1.2);
 
 /// Fewer updates than this say nothing of the fit.
 const FEWEST: usize = 10;
-/// Where more of the reference than this is left out, it is not the outliers that are wrong.
-const MOST_LEFT_OUT: f64 = 0.5;
 /// Shares of the reference left out that deserve a word: in a single pass, and where a pass before has shown what is usual.
 const MANY_LEFT_OUT: [f64; 2] = [0.02, 0.1];
 
@@ -33,10 +31,22 @@ fn left_out(statistics: &Statistics) -> f64 {
     rejected / (rejected + statistics.degrees_of_freedom as f64 / 3.0)
 }
 
+/// The kind of reading of which most were left out as far off: it is not they that are wrong.
+fn contradicted(outcome: &Outcome) -> Option<&'static str> {
+    let outliers = || outcome.refused.iter().filter(|stretch| stretch.why == "outlier");
+    outliers().map(|stretch| stretch.channel).find(|channel| {
+        let refused: u64 =
+            outliers().filter(|other| other.channel == *channel).map(|other| other.readings).sum();
+        2 * refused > outcome.statistics.updates as u64
+    })
+}
+
 /// Whether there are residuals enough, about as large as the filter says, and most of the reference was used.
-pub(super) fn fits(statistics: &Statistics) -> bool {
-    let enough = statistics.updates >= FEWEST;
-    enough && (FITS.0..=FITS.1).contains(&statistics.nis_per_dof()) && left_out(statistics) <= MOST_LEFT_OUT
+pub(super) fn fits(outcome: &Outcome) -> bool {
+    let statistics = &outcome.statistics;
+    statistics.updates >= FEWEST
+        && (FITS.0..=FITS.1).contains(&statistics.nis_per_dof())
+        && contradicted(outcome).is_none()
 }
 
 /// What to say where much of the reference was left out, and what to do about it.
@@ -67,8 +77,8 @@ pub(super) fn doubt(filter: &str, outcome: &Outcome, passes: u32) -> Option<Stri
 pub(super) fn verdict(filter: &str, outcome: &Outcome) -> String {
     let statistics = &outcome.statistics;
     let nis = statistics.nis_per_dof();
-    let judgement = if left_out(statistics) > MOST_LEFT_OUT {
-        "does not fit: most of the reference contradicts it"
+    let judgement = if let Some(channel) = contradicted(outcome) {
+        &format!("does not fit: most readings of {channel} contradict it")
     } else if statistics.updates < FEWEST {
         "cannot be judged by so few updates"
     } else if nis > FITS.1 {
