@@ -243,7 +243,7 @@ fn a_reference_that_is_left_out_is_no_fit() -> Done {
         Ok((text(&output.stdout), text(&output.stderr)))
     };
     let scenario = "[imu]\nrate = \"10 Hz\"\n[motion]\nstill = \"60 s\"\ndwell = \"20 s\"\nrate = \"60 deg/s\"\n\
-                    acceleration = \"60 deg/s^2\"\n[population]\naccel-delay = \"1 ms\"\n";
+                    acceleration = \"60 deg/s^2\"\n[population]\naccel-delay = \"2 ms\"\n";
     fs::write(folder.path().join("s.toml"), scenario)?;
     run("simulate --scenario s.toml --out delayed")?;
     let (once, said) = run("calibrate delayed --filter 36d-p --passes 1")?;
