@@ -145,7 +145,6 @@ fn complaint(folder: &Path, expected: &[&str]) -> Result<Option<String>, Box<dyn
 }
 
 #[test]
-#[cfg(target_os = "linux")]
 fn what_announces_more_than_there_is_room_for_is_refused() -> Done {
     let sound = [data(80, 80, 10), vec![0; 80]].concat();
     let swollen = [data(MOST, 4, 10), vec![0; 4]].concat();

@@ -228,8 +228,8 @@ fn a_reader_that_goes_away_is_no_accident() -> Done {
     Ok(())
 }
 
-/// What a filter lacks looks like outliers in a single pass, and is said; a second pass knows better. A reference that contradicts the
-/// unit is no fit, however well the rest of it does.
+/// What a filter lacks looks like outliers in a single pass, and is said; a second pass knows better. A reference that contradicts
+/// itself is no fit, however well half of it does.
 #[test]
 fn a_reference_that_is_left_out_is_no_fit() -> Done {
     let folder = tempfile::tempdir()?;
@@ -265,7 +265,7 @@ fn a_reference_that_is_left_out_is_no_fit() -> Done {
     table.map("ref_vel_*", |_, _| 3.6);
     table.write_csv(&folder.path().join("moving.csv"))?;
     let (verdict, said) = run("calibrate moving --filter 36d-p")?;
-    assert!(verdict.starts_with("36d-p does not fit: most readings of velocity contradict it"), "{verdict}");
+    assert!(verdict.starts_with("36d-p does not fit: most readings of position contradict it"), "{verdict}");
     assert!(said.contains("check unit, sign and frame of the reference"), "{said}");
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! Tests that run the built program.
 
+#[cfg(target_os = "linux")]
 mod bombs;
 mod broken_inputs;
 mod coarse;
