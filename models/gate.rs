@@ -9,6 +9,11 @@
 //! - In a further pass what is beyond [`FAR`] times the square of how much wider the readings used in the pass before were spread
 //!   than chi-square, by their 90 % quantile. The square, because what lacks an effect has longer tails too.
 //!
+//! In the first pass a burst and the onset of what the filter lacks look alike, and no rule that does not know what comes can tell
+//! them: fifteen readings of a NIS of 1300 are a burst that must be refused whole, and they are what a filter sees after a turn whose
+//! effect it lacks. A further pass refuses none of the second kind; a run of a single pass loses some (`rig`'s test of outliers
+//! counts them) and the caller is to say so.
+//!
 //! The gate never shuts for good. While readings are refused one after the other the limit grows; when it lets one in after a
 //! long run, the reference is taken to begin anew somewhere else: the caller opens the states that it measures. Where that
 //! happens again, it is the filter that is wrong, and the limit stays where it is.

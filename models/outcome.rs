@@ -63,7 +63,8 @@ impl Statistics {
 pub struct Diverged {
     /// Time of the sample, s.
     pub time: f64,
-    /// What was measured then: the groups whose innovations are no numbers any more, or all that were there.
+    /// What was measured then: the first group whose innovations are no numbers any more, or whose covariance is not positive definite
+    /// any more; `the reference` where only all groups together show it.
     pub channel: &'static str,
 }
 

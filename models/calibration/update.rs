@@ -87,11 +87,13 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         let mut rejected = 0;
         let mut reopened = 0;
         let mut lost = None;
+        let mut next = 0;
         let gate = &mut self.gate;
         let sound = self.kalman.innovations(at, signals, residuals, |measured, nis| {
+            next = measured + 1;
             let group = F::MEASURES[measured];
             if !nis.is_finite() {
-                lost = Some(Strapdown::CHANNELS[group].name);
+                lost = lost.or(Some(Strapdown::CHANNELS[group].name));
             }
             match gate.judge(group, nis) {
                 Verdict::Use => {}
@@ -100,7 +102,10 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             }
         });
         if sound.is_err() || lost.is_some() {
-            return Err(lost.unwrap_or("the reference"));
+            // the group that was not reached is the one whose covariance broke down
+            let mut rest = F::MEASURES[next..].iter().map(|group| &Strapdown::CHANNELS[*group]);
+            let broken = rest.find(|group| F::row(group.first).is_some_and(|row| residuals.is_present(row)));
+            return Err(lost.or(broken.map(|group| group.name)).unwrap_or("the reference"));
         }
         for (measured, group) in F::MEASURES.iter().enumerate() {
             if rejected & 1 << group != 0 {

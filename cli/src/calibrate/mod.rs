@@ -116,6 +116,7 @@ impl Arguments {
             let measures = filter.measures().collect::<Vec<_>>().join(" and ");
             let table = log.table().display();
             return Err(miette!(
+                help = "`sinscal filters` says what each filter measures; ref_vel_*, ref_pos_* and ref_quat_* are the columns",
                 "{table}: no update was made: {} measures {measures}, and no row has such a reference that it accepts",
                 filter.name
             ));
@@ -135,6 +136,9 @@ impl Arguments {
                 outcome.statistics.largest_turn / DEGREE,
                 LARGEST_TURN / DEGREE
             ));
+        }
+        if let Some(doubt) = text::doubt(filter.name, &outcome, passes) {
+            say::warn(&doubt);
         }
         if outcome.bridged.gaps > 0 {
             let (gaps, rows) = (outcome.bridged.gaps, outcome.bridged.rows);

@@ -49,7 +49,7 @@ pub(super) fn report(log: &Log, filter: &FilterInfo, options: Options, outcome: 
     let report = Report {
         title: format!("Calibration of {} with {}", log.table().display(), filter.name),
         verdict: text::verdict(filter.name, outcome),
-        tone: if text::fits(statistics) { Tone::Good } else { Tone::Bad },
+        tone: if text::fits(outcome) { Tone::Good } else { Tone::Bad },
         facts,
         sections,
         origin: Vec::new(),

@@ -14,6 +14,10 @@ use crate::history::History;
 use crate::log::{Bridged, Log};
 use crate::{say, setup};
 
+/// What to look at when a filter breaks down over a log whose every row is plausible.
+const DIVERGED: &str = "look at that time in the log; and at [prior] and [initial] of its description: a sigma that is far too wide \
+                        leaves the arithmetic no digits, one far too small no room";
+
 /// How to run.
 #[derive(Clone, Copy)]
 pub(super) struct Options {
@@ -106,8 +110,8 @@ impl Run<'_> {
                     times.1 = sample.time;
                     samples += 1;
                     let update = calibration.step_observed(sample, &mut observer);
-                    let update =
-                        update.map_err(|error| miette!("{}: {error}", self.log.table().display()))?;
+                    let table = self.log.table().display();
+                    let update = update.map_err(|error| miette!(help = DIVERGED, "{table}: {error}"))?;
                     if update.is_some() && history.due() {
                         history.push(sample.time, |put| {
                             let now = estimates(&calibration, coarse);

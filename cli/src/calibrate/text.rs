@@ -16,19 +16,72 @@ const DESCRIBED: usize = 20;
 /// of unmodelled noise make of it.
 const FITS: (f64, f64) = (0.8, 1.2);
 
+/// Fewer updates than this say nothing of the fit.
+const FEWEST: usize = 10;
+/// Shares of the reference left out that deserve a word: in a single pass, and where a pass before has shown what is usual.
+const MANY_LEFT_OUT: [f64; 2] = [0.02, 0.1];
+
 /// 1 ug in m/s^2.
 const MICRO_G: f64 = 9.80665e-6;
 
-/// Whether the residuals are about as large as the filter says.
-pub(super) fn fits(statistics: &Statistics) -> bool {
-    (FITS.0..=FITS.1).contains(&statistics.nis_per_dof())
+/// Share of the readings of the reference that were left out as far off.
+fn left_out(statistics: &Statistics) -> f64 {
+    let rejected = statistics.rejected as f64;
+    // a reading is a vector
+    rejected / (rejected + statistics.degrees_of_freedom as f64 / 3.0)
+}
+
+/// The kind of reading of which most were left out as far off: it is not they that are wrong.
+fn contradicted(outcome: &Outcome) -> Option<&'static str> {
+    let outliers = || outcome.refused.iter().filter(|stretch| stretch.why == "outlier");
+    outliers().map(|stretch| stretch.channel).find(|channel| {
+        let refused: u64 =
+            outliers().filter(|other| other.channel == *channel).map(|other| other.readings).sum();
+        2 * refused > outcome.statistics.updates as u64
+    })
+}
+
+/// Whether there are residuals enough, about as large as the filter says, and most of the reference was used.
+pub(super) fn fits(outcome: &Outcome) -> bool {
+    let statistics = &outcome.statistics;
+    statistics.updates >= FEWEST
+        && (FITS.0..=FITS.1).contains(&statistics.nis_per_dof())
+        && contradicted(outcome).is_none()
+}
+
+/// What to say where much of the reference was left out, and what to do about it.
+pub(super) fn doubt(filter: &str, outcome: &Outcome, passes: u32) -> Option<String> {
+    let share = left_out(&outcome.statistics);
+    if !(share > MANY_LEFT_OUT[usize::from(passes > 1)]) {
+        return None;
+    }
+    let rejected = outcome.statistics.rejected;
+    let outliers = || outcome.refused.iter().filter(|stretch| stretch.why == "outlier");
+    let first = outliers().map(|stretch| stretch.first_s).fold(f64::INFINITY, f64::min);
+    let last = outliers().map(|stretch| stretch.last_s).fold(f64::NEG_INFINITY, f64::max);
+    let advice = if passes == 1 {
+        format!(
+            "a single pass cannot tell what {filter} lacks from outliers: run two (--passes 2), or a filter that lacks nothing \
+             (sinscal diagnose)"
+        )
+    } else {
+        "check unit, sign and frame of the reference, its sigmas in [reference], and the attitude in [initial]".into()
+    };
+    let percent = 100.0 * share;
+    Some(format!(
+        "{rejected} readings of the reference ({percent:.0} %) were left out as far off, from {first:.0} s to {last:.0} s; {advice}"
+    ))
 }
 
 /// Whether the filter explains the data, in one line.
 pub(super) fn verdict(filter: &str, outcome: &Outcome) -> String {
     let statistics = &outcome.statistics;
     let nis = statistics.nis_per_dof();
-    let judgement = if nis > FITS.1 {
+    let judgement = if let Some(channel) = contradicted(outcome) {
+        &format!("does not fit: most readings of {channel} contradict it")
+    } else if statistics.updates < FEWEST {
+        "cannot be judged by so few updates"
+    } else if nis > FITS.1 {
         "does not fit: the residuals are larger than its model allows"
     } else if nis < FITS.0 {
         "fits, with residuals smaller than the noise of the description"

@@ -90,17 +90,26 @@ pub(super) fn load(
         let fault = |problem: String| LogError::variable(path, &variable.name, problem);
         let total = shape.rows.saturating_mul(shape.columns as u64);
         let mut count = 0;
+        let mut room = true;
         file.read(index, &mut |value| {
             let column = if shape.by_row { count % shape.columns as u64 } else { count / shape.rows };
             for (slot, _) in wanted.iter().filter(|(_, wanted)| *wanted as u64 == column) {
-                columns[*slot].push(value);
+                // what is announced may be more than there is, and what there is more than the machine can hold
+                room &= columns[*slot].try_reserve(1).is_ok();
+                if room {
+                    columns[*slot].push(value);
+                }
             }
             count += 1;
-            count < total
+            room && count < total
         })
         .map_err(|problem| {
             fault(format!("cannot be read: {problem}")).help("write the file again; it is damaged or cut off")
         })?;
+        if !room {
+            let help = "a log as Parquet or CSV is read in pieces and may be of any length";
+            return Err(fault("does not fit into the memory of this machine".into()).help(help));
+        }
         if count < total {
             let problem = format!("is cut off: it holds {count} numbers, {total} were announced");
             return Err(fault(problem).help("write the file again"));

@@ -85,6 +85,10 @@ impl Group {
     }
 }
 
+/// What to do where time or an increment is missing.
+pub(super) const NEEDED: &str = "every row needs a number here; leave the row out where there is none, and `--bridge-gaps SECONDS` \
+                                 fills the gap";
+
 /// Whether a cell of this slot may be empty: everything may but time and increments.
 pub(super) fn may_be_empty(slot: usize) -> bool {
     slot >= Group::TEMP.first
@@ -137,4 +141,9 @@ pub(super) trait Source {
 
     /// How far reading has come, in the unit of the table's size.
     fn position(&self) -> u64;
+
+    /// Line of a text file in which a row of the batch stands, counted from 1.
+    fn line(&self, _row: usize) -> Option<u64> {
+        None
+    }
 }

@@ -42,6 +42,10 @@ const WALKS: [(f64, f64); 2] = [(1e-9, 1e4), (1e-6, 1e7)];
 /// Priors in SI units that a filter can compute with.
 const PRIORS: (f64, f64) = (1e-15, 1e6);
 
+/// What a line of a description may be.
+const TOML: &str = "a line is [TABLE] or NAME = VALUE; numbers have a point, no unit and no quotes (32.06), lists brackets ([1.0, \
+                    0.0]), names of units straight quotes (\"ug\"); remarks begin with #";
+
 const IMU: &[&str] = &["rate_hz", "gyro_rad_per_pulse", "accel_m_s_per_pulse"];
 const SITE: &[&str] = &["latitude_deg", "longitude_deg", "height_m"];
 const INITIAL: &[&str] = &["quaternion_wxyz", "level_sigma_deg", "heading_sigma_deg"];
@@ -117,7 +121,7 @@ impl Description {
             Ok(root) => root,
             Err(error) => {
                 let problem = format!("is not valid TOML: {}", error.message());
-                return Err(LogError::text(path, &text, error.span(), None, problem));
+                return Err(LogError::text(path, &text, error.span(), None, problem).help(TOML));
             }
         };
         let root = root.get_ref();
@@ -297,18 +301,21 @@ fn read_priors(doc: &mut Document<'_>, section: Section<'_>) -> Vec<(&'static st
             }
         };
         let scale = match table.get("unit").map(|unit| (unit.span(), unit.get_ref())) {
-            Some((span, DeValue::String(unit))) => match units::scale(accepted, unit) {
-                Ok(scale) => Some(scale),
-                Err(help) => {
-                    doc.refuse(
-                        span,
-                        &unit_field,
-                        &format!("`{unit}` is not a unit of this effect"),
-                        Some(help),
-                    );
-                    None
+            // a micro sign is as good as a u
+            Some((span, DeValue::String(unit))) => {
+                match units::scale(accepted, &unit.replace(['µ', 'μ'], "u")) {
+                    Ok(scale) => Some(scale),
+                    Err(help) => {
+                        doc.refuse(
+                            span,
+                            &unit_field,
+                            &format!("`{unit}` is not a unit of this effect"),
+                            Some(help),
+                        );
+                        None
+                    }
                 }
-            },
+            }
             Some((span, other)) => {
                 let problem = format!("is {}, the name of a unit was expected", fields::kind(other));
                 doc.refuse(span, &unit_field, &problem, Some(names()));

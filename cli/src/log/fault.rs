@@ -10,6 +10,8 @@ use thiserror::Error;
 
 /// Texts with longer lines are not shown around a fault.
 const LONGEST_QUOTED: usize = 500;
+/// So many faults found together are told, the rest is counted: a reader mends the first of them.
+const TOLD: usize = 20;
 
 /// Why a log cannot be used. The message stands on its own; a terminal also shows the faulty text.
 #[derive(Debug, Error, Diagnostic)]
@@ -29,10 +31,18 @@ struct Fault {
     span: Option<SourceSpan>,
     #[related]
     others: Vec<LogError>,
+    /// Length of the path that the message begins with.
+    path: usize,
     /// Row of a faulty cell.
     row: Option<u64>,
     /// Column of a faulty cell, or the faulty columns.
     column: Option<String>,
+}
+
+/// The beginning of a text out of a file; what would steer a terminal is left out.
+pub(super) fn shown(text: &str, most: usize) -> String {
+    let harmless = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
+    text.chars().take(most).map(harmless).collect()
 }
 
 impl LogError {
@@ -43,6 +53,7 @@ impl LogError {
             source_code: None,
             span: None,
             others: Vec::new(),
+            path: 0,
             row: None,
             column: None,
         }))
@@ -72,11 +83,12 @@ impl LogError {
 
     /// A fault of one data row (counted from 1, the header does not count).
     pub(super) fn row(path: &Path, row: u64, column: Option<&str>, problem: impl Display) -> Self {
-        let path = path.display();
+        let path = path.display().to_string();
         let mut fault = match column {
             Some(column) => Self::new(format!("{path}, row {row}, column `{column}`: {problem}")),
             None => Self::new(format!("{path}, row {row}: {problem}")),
         };
+        fault.0.path = path.len();
         fault.0.row = Some(row);
         fault.0.column = column.map(str::to_owned);
         fault
@@ -120,6 +132,14 @@ impl LogError {
         self
     }
 
+    /// Says in which line of a text file the row stands, as editors count: from 1, with the header.
+    pub(super) fn in_line(mut self, line: Option<u64>) -> Self {
+        if let Some(line) = line {
+            self.0.message.insert_str(self.0.path, &format!(", line {line}"));
+        }
+        self
+    }
+
     /// Whether `next` is about the row after `row`, in the same column as this one.
     pub(super) fn continues(&self, row: u64, next: &Self) -> bool {
         next.row_number() == Some(row + 1) && self.0.column == next.0.column
@@ -146,10 +166,11 @@ impl LogError {
 
     /// One error out of several; `None` when there is none.
     pub(super) fn all(faults: Vec<Self>) -> Option<Self> {
-        let mut faults = faults.into_iter();
+        let more = faults.len().saturating_sub(TOLD);
+        let mut faults = faults.into_iter().take(TOLD);
         let mut first = faults.next()?;
         first.0.others.extend(faults);
-        Some(first)
+        Some(if more > 0 { first.note(format!("and {more} more faults like these")) } else { first })
     }
 
     /// The message, then those of the faults found together with it.

@@ -162,7 +162,8 @@ impl<'a> Document<'a> {
         let items = match value.get_ref() {
             DeValue::Array(items) if items.len() == N => items,
             DeValue::Array(items) => {
-                let problem = format!("has {} entries, {N} numbers were expected", items.len());
+                let entries = if items.len() == 1 { "entry" } else { "entries" };
+                let problem = format!("has {} {entries}, {N} numbers were expected", items.len());
                 self.refuse(value.span(), &field, &problem, None);
                 return None;
             }
@@ -192,7 +193,9 @@ impl<'a> Document<'a> {
             }
             other => {
                 let problem = format!("is {}, {} was expected", kind(other), must.describe());
-                self.refuse(value.span(), field, &problem, None);
+                let help = "a number stands without quotes and without a unit: its unit is in the name";
+                let text = matches!(other, DeValue::String(_)).then(|| help.to_owned());
+                self.refuse(value.span(), field, &problem, text);
                 return None;
             }
         };

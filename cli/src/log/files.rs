@@ -106,10 +106,13 @@ pub(super) fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
                 with("parquet").display(),
                 with("csv").display()
             );
-            let help = log.is_file().then_some(
-                "the ending of a table must be .parquet, .csv, .mat, .h5, .hdf5, .npz or .npy".to_owned(),
-            );
-            return Err(LogError::file(log, problem).help_if(help.filter(|_| ending != Some("toml"))));
+            let endings = "the ending of a table must be .parquet, .csv, .mat, .h5, .hdf5, .npz or .npy";
+            let help = if let Some(other) = otherwise_spelled(&stem) {
+                Some(format!("there is {}: endings are written in small letters", other.display()))
+            } else {
+                (log.is_file() && ending != Some("toml")).then(|| endings.to_owned())
+            };
+            return Err(LogError::file(log, problem).help_if(help));
         }
     };
     let description = with("toml");
@@ -127,6 +130,20 @@ pub(super) fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
         }
     }
     Ok((table, kind, description))
+}
+
+/// A file whose ending is one of a table but for capital letters.
+fn otherwise_spelled(stem: &Path) -> Option<PathBuf> {
+    let spelled = |path: &PathBuf| {
+        let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+        let known = |(known, _): &(&str, Kind)| ending.as_deref() == Some(*known);
+        path.file_stem() == stem.file_name() && ENDINGS.iter().any(known)
+    };
+    let folder = stem.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    std::fs::read_dir(folder)
+        .ok()?
+        .filter_map(|entry| Some(stem.with_file_name(entry.ok()?.file_name())))
+        .find(spelled)
 }
 
 /// Whether there is something by this name, were it a link to nothing.

@@ -5,7 +5,7 @@ use std::path::Path;
 use rig::suggest;
 
 use super::columns::{Batch, Group, NAMES};
-use super::fault::LogError;
+use super::fault::{LogError, shown};
 use super::map::{ColumnMap, Entry, Unit};
 
 /// A step longer than this many sampling intervals is a gap.
@@ -275,10 +275,11 @@ impl<'a> Search<'a> {
         self.settle(group, variable);
     }
 
-    /// Takes a group as found after a fault: that it is missing would be the same fault again.
+    /// Takes a group as found after a fault, by a map: that it is missing, or there twice, would be the same fault again.
     fn settle(&mut self, group: Group, variable: usize) {
         for place in self.places[group.slots()].iter_mut().filter(|place| place.is_none()) {
-            *place = Some(Place { variable, column: usize::MAX, unit: Unit::SAME, foreign: None });
+            let foreign = Some(String::new());
+            *place = Some(Place { variable, column: usize::MAX, unit: Unit::SAME, foreign });
         }
     }
 
@@ -416,7 +417,7 @@ fn whole(name: &str) -> Option<Group> {
 
 /// A name as it is shown.
 fn short(name: &str) -> String {
-    name.chars().take(64).collect()
+    shown(name, 64)
 }
 
 /// A number of columns in words.

@@ -31,6 +31,7 @@ mod map;
 mod mat5;
 #[cfg(feature = "npz")]
 mod npz;
+mod pages;
 mod parquet;
 mod rows;
 mod still;
@@ -326,10 +327,14 @@ impl Samples {
             self.checker.check_batch(&self.batch).map_err(|fault| self.layout.explain(fault))?;
         }
         self.in_row = true;
-        let row = self.checker.check(&self.batch, self.next);
+        let place = |fault: LogError| self.layout.explain(fault).in_line(self.source.line(self.next));
+        let row = match self.checker.check(&self.batch, self.next) {
+            Ok(Row::AfterGap(sample, seconds, fault)) => Ok(Row::AfterGap(sample, seconds, place(fault))),
+            row => row.map_err(place),
+        };
         self.next += 1;
         self.rows += 1;
-        row.map(Some).map_err(|fault| self.layout.explain(fault))
+        row.map(Some)
     }
 
     /// The next sample, or the next of a gap.
@@ -468,6 +473,15 @@ fn warnings(description: &Description, layout: &Layout, path: &Path) -> Vec<Stri
     for ((group, field, default), given) in groups.into_iter().zip(description.reference_given) {
         if layout.has(group) && !given {
             warnings.push(format!("{path}: reference.{field} is not given, {default} is assumed"));
+        }
+    }
+    for (group, given, field) in [
+        (Group::GYRO_PULSE, description.gyro_pulse, "gyro_rad_per_pulse"),
+        (Group::ACCEL_PULSE, description.accel_pulse, "accel_m_s_per_pulse"),
+    ] {
+        if given.is_some() && !layout.has(group) {
+            let pulses = group.names().join(", ");
+            warnings.push(format!("{path}: imu.{field} is not used: the table has no {pulses}"));
         }
     }
     if !description.noise_given {

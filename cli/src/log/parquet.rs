@@ -23,6 +23,7 @@ use super::fault::LogError;
 use super::guard::guarded;
 use super::layout::{Holds, Layout, Variable};
 use super::map::ColumnMap;
+use super::pages;
 
 /// Rows per batch: large enough for column-wise work, small enough to stay in the cache.
 const ROWS: usize = 4096;
@@ -36,6 +37,8 @@ pub(super) struct ParquetSource {
     /// Slot of each projected column, in the file's order.
     slots: Vec<usize>,
     position: u64,
+    /// Rows that the file announces.
+    rows: u64,
 }
 
 impl ParquetSource {
@@ -53,6 +56,7 @@ impl ParquetSource {
         });
         let layout = Layout::new(path, &variables.collect::<Vec<_>>(), Holds::Columns, map)?;
         check_compression(path, builder.metadata())?;
+        check_pages(path, builder.metadata(), &layout)?;
         let rows = u64::try_from(builder.metadata().file_metadata().num_rows())
             .map_err(|_| damaged(path, "a negative number of rows"))?;
         let mut columns: Vec<(usize, usize)> =
@@ -62,7 +66,7 @@ impl ParquetSource {
         let reader = guarded(|| builder.with_projection(mask).with_batch_size(ROWS).build())
             .map_err(|problem| damaged(path, &problem))?;
         let slots = columns.into_iter().map(|(_, slot)| slot).collect();
-        Ok((Self { path: path.to_owned(), reader, slots, position: 0 }, layout, rows))
+        Ok((Self { path: path.to_owned(), reader, slots, position: 0, rows }, layout, rows))
     }
 
     fn copy(&self, record: &RecordBatch, batch: &mut Batch) -> Result<(), LogError> {
@@ -88,6 +92,10 @@ impl Source for ParquetSource {
                 self.copy(&record, batch)?;
                 self.position += batch.rows as u64;
                 Ok(())
+            }
+            Ok(None) if self.position < self.rows => {
+                let problem = format!("it holds {} rows, {} were announced", self.position, self.rows);
+                Err(damaged(&self.path, &problem))
             }
             Ok(None) => Ok(()),
             Err(problem) => {
@@ -142,6 +150,30 @@ fn check_compression(path: &Path, metadata: &ParquetMetaData) -> Result<(), LogE
         let problem = format!("is compressed with {name}, which this program does not read");
         return Err(LogError::column(path, &chunk.column_path().string(), problem)
             .help("write it uncompressed, or compressed with Snappy or Zstandard"));
+    }
+    Ok(())
+}
+
+/// The pages of the columns that are read must fit into memory when they are unpacked.
+fn check_pages(path: &Path, metadata: &ParquetMetaData, layout: &Layout) -> Result<(), LogError> {
+    let mut file = File::open(path).map_err(|error| super::unreadable(path, &error))?;
+    let schema = metadata.file_metadata().schema_descr();
+    for group in metadata.row_groups() {
+        for (leaf, chunk) in group.columns().iter().enumerate().take(schema.num_columns()) {
+            let root = schema.get_column_root_idx(leaf);
+            if !layout.columns().any(|(_, place)| place.variable == root) {
+                continue;
+            }
+            guarded(|| {
+                let (start, length) = chunk.byte_range();
+                pages::check(&mut file, start, length)
+            })
+            .map_err(|problem| {
+                let problem = format!("is damaged or packed too tightly: {problem}");
+                LogError::column(path, &chunk.column_path().string(), problem)
+                    .help("write the file again, in pages of a few MiB as usual")
+            })?;
+        }
     }
     Ok(())
 }

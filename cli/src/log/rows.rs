@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use sinscal::{Reference, Sample};
 
-use super::columns::{Batch, Group};
+use super::columns::{Batch, Group, NEEDED};
 use super::description::{Description, TEMPERATURES, UNIT_TOLERANCE};
 use super::fault::LogError;
 use super::layout::{LONGEST_STEP, Layout};
@@ -28,6 +28,15 @@ const LARGEST_RATE: f64 = 50.0;
 const LARGEST_NAVIGATION_RATE: f64 = 6.981_317_007_977_318;
 /// rad/s: at 400 Hz it is 250 arcsec, what a gyro's own dither is; the block that carries the gyros moves less.
 const LARGEST_DITHER: f64 = 4.0;
+/// Other units of time, of which so many are a second.
+const TIMES: [(f64, &str); 6] = [
+    (1e3, "ms"),
+    (1e6, "us"),
+    (1e9, "ns"),
+    (1.0 / 60.0, "minutes"),
+    (1.0 / 3600.0, "h"),
+    (1.0 / 86_400.0, "days"),
+];
 /// m/s and m.
 const LARGEST_REFERENCE: [f64; 2] = [1e3, 1e6];
 
@@ -108,16 +117,19 @@ impl Checker {
             let wrong = |step: f64| (step / self.interval - 1.0).abs() > RATE_TOLERANCE;
             if median > 0.0 && wrong(median) && wrong(mean) {
                 let problem = format!(
-                    "rows {} to {} are {median:.6} s apart ({:.3} Hz), the description says {:.3} Hz",
+                    "rows {} to {} are {} s apart ({} Hz), the description says {} Hz",
                     rows.0,
                     rows.1,
-                    1.0 / median,
-                    1.0 / self.interval
+                    figure(median, 6),
+                    figure(1.0 / median, 3),
+                    figure(1.0 / self.interval, 3)
                 );
-                let times = [(1e3, "ms"), (1e6, "us"), (1e9, "ns")];
-                let unit = times.into_iter().find(|(size, _)| !wrong(median / size));
+                let unit = TIMES.iter().find(|(size, _)| !wrong(median / size));
                 let help = match unit {
                     Some((_, unit)) => format!("this looks like times in {unit}: seconds are expected"),
+                    None if median == 1.0 => {
+                        "this looks like row numbers: times in seconds are expected".into()
+                    }
                     None => "correct imu.rate_hz of the description, or the times (in seconds)".into(),
                 };
                 return Err(LogError::column(&self.path, "time_s", problem).help(help));
@@ -153,7 +165,7 @@ impl Checker {
         self.row += 1;
         let time = batch.cell(Group::TIME.first, index);
         if !time.is_finite() {
-            return Err(self.cell_fault(Group::TIME.first, time, "a time in s"));
+            return Err(self.cell_fault(Group::TIME.first, time, "a time in s").help(NEEDED));
         }
         let gap = match self.last_time.replace(time) {
             None => None,
@@ -185,13 +197,14 @@ impl Checker {
         let step = time - last;
         let fault = |problem: String| LogError::row(&self.path, self.row, Some("time_s"), problem);
         if step == 0.0 {
-            return Err(
-                fault(format!("{time} s repeats the time of the row before")).help("times must increase")
-            );
+            return Err(fault(format!("{time} s repeats the time of the row before"))
+                .help("times must increase; written with too few digits, or rows twice?"));
         }
         if step < 0.0 {
             return Err(
-                fault(format!("{time} s follows {last} s")).help("times must increase from row to row")
+                fault(format!("{time} s follows {last} s")).help(
+                    "times must increase from row to row: rows in disorder, files joined, or a clock that began anew?",
+                )
             );
         }
         if step <= LONGEST_STEP * self.interval {
@@ -233,7 +246,7 @@ impl Checker {
         }
         for (axis, value) in values.iter().enumerate() {
             if !value.is_finite() {
-                return Err(self.cell_fault(group.first + axis, *value, expected));
+                return Err(self.cell_fault(group.first + axis, *value, expected).help(NEEDED));
             }
             if value.abs() > limit {
                 let problem = format!(
@@ -332,14 +345,24 @@ impl Checker {
             return Ok(None);
         }
         if !values.iter().all(|value| value.is_finite()) {
-            return Err(self.partly(group, &values, f64::MAX, "a component of a unit quaternion"));
+            return Err(self.partly(
+                group,
+                &values,
+                1.0 + UNIT_TOLERANCE,
+                "a component of a unit quaternion",
+            ));
         }
         let quaternion = Quaternion::new(w, x, y, z);
         let norm = quaternion.norm();
         if (norm - 1.0).abs() > UNIT_TOLERANCE {
             let problem = format!("has norm {norm:.6}, a unit quaternion was expected (within 0.001)");
             let names = group.names().join("`, `");
-            return Err(LogError::row(&self.path, self.row, Some(&names), problem));
+            let help = if norm == 0.0 {
+                "leave the four fields empty, or write NaN, where there is no reading"
+            } else {
+                "w, x, y, z are the components of a rotation: cos and sin of half its angle, no angles"
+            };
+            return Err(LogError::row(&self.path, self.row, Some(&names), problem).help(help));
         }
         Ok(Some(UnitQuaternion::from_quaternion(quaternion)))
     }
@@ -348,8 +371,17 @@ impl Checker {
     fn partly(&self, group: Group, values: &[f64], largest: f64, expected: &str) -> LogError {
         let faulty = values.iter().position(|value| value.is_nan() || value.abs() > largest).unwrap_or(0);
         let value = values.get(faulty).copied().unwrap_or(f64::NAN);
-        let fault = self.cell_fault(group.first + faulty, value, expected);
-        if value.is_nan() { fault.help(format!("{}: {TRIPLE}", group.names().join(", "))) } else { fault }
+        if value.is_nan() {
+            let fault = self.cell_fault(group.first + faulty, value, expected);
+            return fault.help(format!("{}: {TRIPLE}", group.names().join(", ")));
+        }
+        let fault = self.cell_fault(group.first + faulty, value, &format!("{expected} within +-{largest}"));
+        match group {
+            Group::REF_POS => {
+                fault.help("east, north and up of the site, in m; not Earth-fixed, not degrees")
+            }
+            _ => fault,
+        }
     }
 
     #[cold]
@@ -357,6 +389,11 @@ impl Checker {
         let column = super::columns::NAMES.get(slot).copied();
         LogError::row(&self.path, self.row, column, format!("is {value}, {expected} was expected"))
     }
+}
+
+/// A number with so many decimals, or a power of ten where these would not show it.
+fn figure(value: f64, decimals: usize) -> String {
+    if (1e-3..1e7).contains(&value.abs()) { format!("{value:.decimals$}") } else { format!("{value:.3e}") }
 }
 
 fn triple(batch: &Batch, row: usize, group: Group) -> Vector3<f64> {

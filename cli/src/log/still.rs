@@ -4,7 +4,10 @@
 //! Limits are wide enough for errors that the coarse stage captures (1 %, 20 mg, 5 deg/h) and for any sensor of its class; whoever
 //! goes beyond them has written something else than what was expected.
 
+use std::f64::consts::PI;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::{Aligner, Sample, Site, earth};
@@ -26,8 +29,37 @@ const TILT: f64 = 5.0 * DEGREE;
 const LATITUDE: f64 = 30.0 * DEGREE;
 /// Largest error of a gyro of the navigation class before its calibration, rad/s.
 const GYRO_BIAS: f64 = 5.0 * DEG_PER_HOUR;
+/// A position so near to the figures of longitude and latitude is one in degrees.
+const DEGREES: f64 = 0.02;
 /// A still unit feels gravity to this fraction.
 const FORCE: f64 = 0.1;
+/// On a centrifuge one feels more than gravity, and turns faster than this, rad/s.
+const CENTRIFUGE: f64 = 0.1;
+
+/// Where an attitude is given.
+#[derive(Clone, Copy)]
+enum Given {
+    Initial,
+    Reference,
+}
+
+impl Given {
+    /// What is said of its tilt, rad.
+    fn level_sigma(self, description: &Description) -> f64 {
+        match (self, &description.initial) {
+            (Self::Initial, Some(initial)) => initial.level_sigma,
+            _ => description.reference.attitude,
+        }
+    }
+
+    /// What is said of its heading, rad.
+    fn heading_sigma(self, description: &Description) -> f64 {
+        match (self, &description.initial) {
+            (Self::Initial, Some(initial)) => initial.heading_sigma,
+            _ => description.reference.attitude,
+        }
+    }
+}
 
 /// Listens to the first still stretch of a log.
 pub(super) struct Stillness {
@@ -37,6 +69,8 @@ pub(super) struct Stillness {
     /// The columns of gyros and accelerometers.
     columns: [Group; 2],
     reference: Option<UnitQuaternion<f64>>,
+    /// Whether a position was seen.
+    placed: bool,
     judged: bool,
 }
 
@@ -51,6 +85,7 @@ impl Stillness {
             description: description.clone(),
             columns,
             reference: None,
+            placed: false,
             judged: !scaled,
         }
     }
@@ -63,6 +98,11 @@ impl Stillness {
         if self.reference.is_none() {
             self.reference = sample.reference.attitude;
         }
+        if let Some(position) =
+            sample.reference.position.filter(|_| !std::mem::replace(&mut self.placed, true))
+        {
+            self.place(&position)?;
+        }
         let more = self.aligner.push(sample);
         let enough = self.aligner.still().is_some_and(|(time, ..)| time >= ENOUGH);
         if more && !enough { Ok(()) } else { self.judge() }
@@ -74,24 +114,44 @@ impl Stillness {
             return Ok(());
         }
         let Some((time, rate, force)) = self.aligner.still() else { return Ok(()) };
-        self.force(time, &force)?;
+        self.force(time, &rate, &force)?;
         self.tilt(time, &force)?;
         if self.description.is_navigation_grade() { self.rate(time, &rate, &force) } else { Ok(()) }
     }
 
-    fn force(&self, time: f64, force: &Vector3<f64>) -> Result<(), LogError> {
+    fn force(&self, time: f64, rate: &Vector3<f64>, force: &Vector3<f64>) -> Result<(), LogError> {
         let Site { latitude, height, .. } = self.description.site;
         let gravity = earth::gravity(latitude, height);
         let felt = force.norm();
-        if (felt / gravity - 1.0).abs() < FORCE {
+        let off = (felt / gravity - 1.0).abs();
+        let unit = match force_unit(felt / gravity, self.description.rate) {
+            _ if off < FORCE => return Ok(()),
+            Some(unit) => format!(": this looks like {unit}"),
+            None => String::new(),
+        };
+        let prior = |effect| 10.0 * self.description.prior(effect);
+        let largest = FORCE + prior("accel-bias") / gravity + prior("accel-scale");
+        if unit.is_empty() && (off < largest || rate.norm() > CENTRIFUGE) {
             return Ok(());
         }
-        let Some(unit) = force_unit(felt / gravity, self.description.rate) else { return Ok(()) };
         let problem = format!(
-            "standing still for its first {time:.0} s the unit feels {felt:.3} m/s^2, gravity is {gravity:.3}: \
-             this looks like {unit}"
+            "standing still for its first {time:.0} s the unit feels {felt:.3} m/s^2, gravity is {gravity:.3}{unit}"
         );
         Err(LogError::column(&self.table, &self.columns[1].names().join("`, `"), problem).help(VELOCITY))
+    }
+
+    /// The first position of the reference: metres from the site, not the degrees where the site is.
+    fn place(&self, position: &Vector3<f64>) -> Result<(), LogError> {
+        let Site { latitude, longitude, .. } = self.description.site;
+        let site = [longitude / DEGREE, latitude / DEGREE];
+        let is = |east: f64, north: f64| (east - site[0]).hypot(north - site[1]) < DEGREES;
+        if !is(position.x, position.y) && !is(position.y, position.x) || site[0].hypot(site[1]) < 1.0 {
+            return Ok(());
+        }
+        let problem =
+            format!("begins with {} and {}: the longitude and latitude of the site", position.x, position.y);
+        let help = "east, north and up of the site are expected, in m";
+        Err(LogError::column(&self.table, &Group::REF_POS.names().join("`, `"), problem).help(help))
     }
 
     fn rate(&self, time: f64, rate: &Vector3<f64>, force: &Vector3<f64>) -> Result<(), LogError> {
@@ -125,7 +185,7 @@ impl Stillness {
             return Err(fault(says).help(ANGLE));
         }
         if off(site.latitude) < LATITUDE + noise / earth::ROTATION_RATE {
-            return Ok(());
+            return self.heading(time, rate, spread);
         }
         let problem = format!(
             "is {:.2}, but {} shows about {:.0} where the unit stands still",
@@ -142,42 +202,101 @@ impl Stillness {
         } else {
             "the axes of gyros and accelerometers must be the same, right-handed: x right, y forward, z up"
         };
-        Err(self.field("site.latitude_deg", &problem).help(help))
+        let names = self.columns.iter().flat_map(|group| group.names());
+        let dead = names.zip(rate.iter().chain(force)).filter(|(_, felt)| **felt == 0.0);
+        let dead: Vec<String> = dead.map(|(name, _)| format!("`{name}`")).collect();
+        let fault = self.field("site.latitude_deg", &problem).help(help);
+        Err(if dead.is_empty() {
+            fault
+        } else {
+            fault.note(format!("{} read nothing but 0", dead.join(", ")))
+        })
     }
 
     fn tilt(&self, time: f64, force: &Vector3<f64>) -> Result<(), LogError> {
         let off = |attitude: &UnitQuaternion<f64>| (attitude * force).angle(&Vector3::z());
-        let says = |angle: f64| {
-            format!(
-                "gravity would be {:.1} deg off the vertical where the unit stands still (its first {time:.0} s)",
-                angle / DEGREE
-            )
-        };
-        if let Some(initial) = &self.description.initial {
-            let angle = off(&initial.attitude);
-            if angle > TILT.max(10.0 * initial.level_sigma) {
-                let field = "initial.quaternion_wxyz";
-                return Err(self.field(field, &says(angle)).help(reading(&initial.attitude, off)));
-            }
-        }
-        if let Some(reference) = &self.reference {
-            let angle = off(reference);
-            if angle > TILT.max(10.0 * self.description.reference.attitude) {
-                let columns = Group::REF_QUAT.names().join("`, `");
-                let fault = LogError::column(&self.table, &columns, says(angle));
-                return Err(fault.help(reading(reference, off)));
+        for (of, attitude) in self.attitudes() {
+            let angle = off(&attitude);
+            let limit = TILT.max(10.0 * of.level_sigma(&self.description));
+            if angle > limit {
+                let problem = format!(
+                    "gravity would be {:.1} deg off the vertical where the unit stands still (its first {time:.0} s)",
+                    angle / DEGREE
+                );
+                let turned = "specific force points up at rest: the accelerometers have the other sign, or the axes are \
+                              forward, right, down";
+                let turned = (angle > PI - TILT).then_some(turned);
+                let meant = readings(&attitude, |attitude| off(attitude) < TILT);
+                let other = (meant.is_empty() && turned.is_none()).then_some(AXES);
+                let help: Vec<&str> = turned.into_iter().chain(meant).chain(other).collect();
+                return Err(self.attitude_fault(of, &problem).help(help.join("; or ")));
             }
         }
         Ok(())
     }
 
+    /// Whether an attitude that is given points the Earth's rate to the north, as far as gyros that may err by `spread` can tell.
+    fn heading(&self, time: f64, rate: &Vector3<f64>, spread: f64) -> Result<(), LogError> {
+        let latitude = self.description.site.latitude;
+        let north = earth::ROTATION_RATE * latitude.cos();
+        let off = |attitude: &UnitQuaternion<f64>| {
+            let felt = attitude * rate;
+            (felt.x.hypot(felt.y - north), felt.x.atan2(felt.y).abs())
+        };
+        for (of, attitude) in self.attitudes() {
+            let (wrong, angle) = off(&attitude);
+            let limit =
+                spread + earth::ROTATION_RATE * TILT + north * 10.0 * of.heading_sigma(&self.description);
+            if wrong > limit {
+                let problem = format!(
+                    "the Earth's rate would point {:.0} deg off north where the unit stands still (its first {time:.0} s)",
+                    angle / DEGREE
+                );
+                let meant = readings(&attitude, |attitude| off(attitude).0 < limit);
+                let other = "x and y exchanged, or a heading that does not count from north? It must turn components in b (x \
+                             right, y forward, z up) into components in n (east, north, up)";
+                let help = if meant.is_empty() { other.to_owned() } else { meant.join("; or ") };
+                return Err(self.attitude_fault(of, &problem).help(help));
+            }
+        }
+        Ok(())
+    }
+
+    /// The attitudes that are given for the still stretch.
+    fn attitudes(&self) -> impl Iterator<Item = (Given, UnitQuaternion<f64>)> {
+        let initial = self.description.initial.as_ref().map(|initial| (Given::Initial, initial.attitude));
+        initial.into_iter().chain(self.reference.map(|attitude| (Given::Reference, attitude)))
+    }
+
+    /// A fault of an attitude that is given.
+    fn attitude_fault(&self, of: Given, problem: &str) -> LogError {
+        match of {
+            Given::Initial => self.field("initial.quaternion_wxyz", problem),
+            Given::Reference => LogError::column(&self.table, &Group::REF_QUAT.names().join("`, `"), problem),
+        }
+    }
+
+    /// A fault of a field of the description, at its line if it is still there.
     fn field(&self, field: &str, problem: &str) -> LogError {
         let description = self.table.with_extension("toml");
-        LogError::file(&description, format!("field `{field}`: {problem}"))
+        let text: Arc<str> = std::fs::read_to_string(&description).unwrap_or_default().into();
+        let key = field.rsplit('.').next().unwrap_or_default();
+        let mut start = 0;
+        let mut lines = text.split_inclusive('\n').map(|line| {
+            start += line.len();
+            start - line.len()..start - line.len() + line.trim_end().len()
+        });
+        let of_key =
+            |line: &Range<usize>| text[line.clone()].split('=').next().is_some_and(|name| name.contains(key));
+        let line = lines.find(of_key);
+        LogError::text(&description, &text, line, Some(field), problem)
     }
 }
 
-const VELOCITY: &str = "velocity increments over one interval are expected, in m/s";
+const VELOCITY: &str = "velocity increments over one interval are expected, in m/s; where rows were left out, theirs are to be \
+                        added to the next";
+const AXES: &str =
+    "it must turn components in b (x right, y forward, z up) into components in n (east, north, up)";
 const ANGLE: &str = "angle increments over one interval are expected, in rad, the Earth's rate not taken out; gyros that err \
                      by so much need a larger sigma of gyro-bias in [prior]";
 
@@ -221,16 +340,19 @@ fn nearest(ratio: f64, tolerance: f64, units: &[(f64, &str)]) -> Option<String> 
     (!names.is_empty()).then(|| names.join("; or like "))
 }
 
-/// How else the four numbers may have been meant, if that agrees with gravity.
-fn reading(attitude: &UnitQuaternion<f64>, off: impl Fn(&UnitQuaternion<f64>) -> f64) -> String {
+/// How else the four numbers may have been meant, if that `agrees` with what the sensors feel.
+fn readings(
+    attitude: &UnitQuaternion<f64>,
+    agrees: impl Fn(&UnitQuaternion<f64>) -> bool,
+) -> Vec<&'static str> {
     let [x, y, z, w] = attitude.coords.into();
     let exchanged = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(z, w, x, y));
-    if off(&exchanged) < TILT {
-        "the order is w, x, y, z: these numbers are in the order x, y, z, w".into()
-    } else if off(&attitude.inverse()) < TILT {
-        "it must turn components in b into components in n (east, north, up): this one is its inverse".into()
-    } else {
-        "it must turn components in b (x right, y forward, z up) into components in n (east, north, up)"
-            .into()
-    }
+    let meant = [
+        (exchanged, "the order is w, x, y, z: these numbers are in the order x, y, z, w"),
+        (
+            attitude.inverse(),
+            "it must turn components in b into components in n (east, north, up): this one is its inverse",
+        ),
+    ];
+    meant.into_iter().filter(|(attitude, _)| agrees(attitude)).map(|(_, text)| text).collect()
 }

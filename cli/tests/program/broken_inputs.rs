@@ -36,7 +36,15 @@ fn descriptions() -> Vec<Case> {
     vec![
         (Toml("rate_hz = 50.0", "rate_hz = 0.0"), &["log.toml, line 3, field `imu.rate_hz`", "above 0"]),
         (Toml("rate_hz = 50.0", "rate_hz = -50.0"), &["line 3, field `imu.rate_hz`: is -50"]),
-        (Toml("rate_hz = 50.0", "rate_hz = \"50\""), &["field `imu.rate_hz`: is a string"]),
+        (
+            Toml("rate_hz = 50.0", "rate_hz = \"50 Hz\""),
+            &["field `imu.rate_hz`: is a string", "stands without quotes and without a unit"],
+        ),
+        (
+            Toml("rate_hz = 50.0", "rate_hz = 50 Hz"),
+            &["log.toml, line 3: is not valid TOML", "numbers have a point, no unit and no quotes"],
+        ),
+        (Toml("rate_hz = 50.0", "rate_hz: 50.0"), &["log.toml, line 3: is not valid TOML", "NAME = VALUE"]),
         (Toml("rate_hz = 50.0", "rate_hz = nan"), &["field `imu.rate_hz`: is NaN"]),
         (
             Toml("rate_hz = 50.0", "rate_hz = 100.0"),
@@ -64,6 +72,7 @@ fn descriptions() -> Vec<Case> {
         ),
         (Toml("[1.0, 0.0, 0.0, 0.0]", "[0.0, 0.0, 0.0, 0.0]"), &["has norm 0.000000", "w, x, y, z"]),
         (Toml("[1.0, 0.0, 0.0, 0.0]", "[1.0, 0.0, 0.0]"), &["has 3 entries, 4 numbers were expected"]),
+        (Toml("[1.0, 0.0, 0.0, 0.0]", "[[1.0, 0.0, 0.0, 0.0]]"), &["has 1 entry, 4 numbers were expected"]),
         (Toml("[1.0, 0.0, 0.0, 0.0]", "[nan, 0.0, 0.0, 0.0]"), &["`initial.quaternion_wxyz`: is NaN"]),
         (Toml("level_sigma_deg = 0.05", "level_sigma_deg = 0"), &["`initial.level_sigma_deg`: is 0"]),
         (
@@ -122,6 +131,10 @@ fn descriptions() -> Vec<Case> {
             Toml("sigma = 300.0", "sigma = 1e200"),
             &["`prior.accel-bias`: is 9.8", "no filter can compute with this"],
         ),
+        (
+            Toml("sigma = 300.0, unit = \"ug\"", "sigma = 1e6, unit = \"m/s^2\""),
+            &["log.csv: the filter diverged at ", " s, when ", "[prior]", "far too wide"],
+        ),
         (Toml("sigma = 300.0, ", ""), &["`prior.accel-bias.sigma`: is missing"]),
         (Toml("{ sigma = 300.0, unit = \"ug\" }", "300.0"), &["must give a sigma and its unit"]),
         (Toml("rate_hz = 50.0", "rate_hz = 50.0\nrate_hz = 50.0"), &["line 4: is not valid TOML"]),
@@ -136,7 +149,10 @@ fn rows() -> Vec<Case> {
     vec![
         (
             Rows(|t| t.set("dtheta_x", 17, NAN)),
-            &["row 17, column `dtheta_x`: is NaN, an angle increment in rad"],
+            &[
+                "row 17, column `dtheta_x`: is NaN, an angle increment in rad",
+                "every row needs a number here",
+            ],
         ),
         (Rows(|t| t.set("dvel_z", 3, f64::INFINITY)), &["row 3, column `dvel_z`: is inf"]),
         (Rows(|t| t.set("time_s", 9, NAN)), &["row 9, column `time_s`: is NaN"]),
@@ -168,7 +184,18 @@ fn rows() -> Vec<Case> {
         ),
         (Rows(|t| t.set("ref_pos_u", 7, f64::NEG_INFINITY)), &["row 7, column `ref_pos_u`: is -inf"]),
         (Rows(|t| t.set("ref_quat_x", 8, NAN)), &["row 8, column `ref_quat_x`: is NaN"]),
-        (Rows(|t| t.set("ref_quat_w", 8, 0.9)), &["row 8, column `ref_quat_w`", "has norm 0.900000"]),
+        (
+            Rows(|t| t.set("ref_quat_w", 8, 0.9)),
+            &["row 8, column `ref_quat_w`", "has norm 0.900000", "no angles"],
+        ),
+        (
+            Rows(|t| t.set("ref_quat_w", 8, 0.0)),
+            &["row 8, column `ref_quat_w`", "has norm 0.000000", "leave the four fields empty"],
+        ),
+        (
+            Rows(|t| t.set("ref_pos_e", 8, -2_604_352.0)),
+            &["row 8, column `ref_pos_e`: is -2604352, a position in m within +-1000000", "not Earth-fixed"],
+        ),
         (Rows(|t| t.drop("dvel_y")), &["column `dvel_y`: is missing beside `dvel_x`, `dvel_z`"]),
         (Rows(|t| t.drop("dtheta_*")), &["column `dtheta_x`: is missing", "gyro_pulse_x"]),
         (Rows(|t| t.drop("time_s")), &["column `time_s`: is missing"]),
@@ -238,10 +265,10 @@ fn files() -> Vec<Case> {
         ),
         (Csv(|text| text.replace(',', ";").into()), &["line 1: fields must be separated by commas"]),
         (Csv(|text| text.replace(',', " ").into()), &["line 1: fields must be separated by commas"]),
-        (Csv(|text| format!("# a comment\n{text}").into()), &["the first is `# a comment`", "come first"]),
+        (Csv(|text| format!("# a comment\n{text}").into()), &["log.csv: line 1 is a comment", "come first"]),
         (
             Csv(|text| text.encode_utf16().flat_map(u16::to_le_bytes).collect()),
-            &["log.csv: is not text: a CSV table"],
+            &["log.csv: is UTF-16 text", "save it as UTF-8"],
         ),
         (
             Csv(|text| [0xfeff].into_iter().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect()),
@@ -274,7 +301,7 @@ fn files() -> Vec<Case> {
                 b[4..n / 3].fill(0x5a);
                 b
             }),
-            &["log.parquet: is damaged", "rows after 0"],
+            &["log.parquet, column `time_s`: is damaged", "the header of a page is damaged"],
         ),
         (Text("dtheta_x"), &["log.parquet, column `dtheta_x`: holds text, numbers were expected"]),
         (
@@ -284,6 +311,10 @@ fn files() -> Vec<Case> {
         (
             Files(|dir| fs::remove_file(dir.join("log.csv"))),
             &["there is neither", "log.parquet nor", "log.csv"],
+        ),
+        (
+            Files(|dir| fs::rename(dir.join("log.csv"), dir.join("log.CSV"))),
+            &["there is neither", "log.CSV: endings are written in small letters"],
         ),
         (
             Files(|dir| fs::copy(dir.join("log.csv"), dir.join("log.parquet")).map(drop)),

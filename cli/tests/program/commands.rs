@@ -227,3 +227,45 @@ fn a_reader_that_goes_away_is_no_accident() -> Done {
     }
     Ok(())
 }
+
+/// What a filter lacks looks like outliers in a single pass, and is said; a second pass knows better. A reference that contradicts
+/// itself is no fit, however well half of it does.
+#[test]
+fn a_reference_that_is_left_out_is_no_fit() -> Done {
+    let folder = tempfile::tempdir()?;
+    let run = |arguments: &str| -> Result<(String, String), Box<dyn std::error::Error>> {
+        let output = Command::new(env!("CARGO_BIN_EXE_sinscal"))
+            .args(arguments.split(' '))
+            .current_dir(folder.path())
+            .output()?;
+        let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
+        assert!(output.status.success(), "{arguments}: {}", text(&output.stderr));
+        Ok((text(&output.stdout), text(&output.stderr)))
+    };
+    let scenario = "[imu]\nrate = \"10 Hz\"\n[motion]\nstill = \"60 s\"\ndwell = \"20 s\"\nrate = \"60 deg/s\"\n\
+                    acceleration = \"60 deg/s^2\"\n[population]\naccel-delay = \"2 ms\"\n";
+    fs::write(folder.path().join("s.toml"), scenario)?;
+    run("simulate --scenario s.toml --out delayed")?;
+    let (once, said) = run("calibrate delayed --filter 36d-p --passes 1")?;
+    assert!(
+        once.contains("outliers of the reference left out") && once.contains("readings far off, from "),
+        "{once}"
+    );
+    for told in ["warning: ", " readings of the reference (", " s; a single pass cannot tell", "--passes 2"] {
+        assert!(said.contains(told), "{told}: {said}");
+    }
+    let (twice, said) = run("calibrate delayed --filter 36d-p --passes 2")?;
+    assert!(
+        twice.contains("does not fit") && !twice.contains("left out") && !said.contains("left out"),
+        "{twice}{said}"
+    );
+
+    fs::write(folder.path().join("moving.toml"), DESCRIPTION)?;
+    let mut table = Table::at_rest(1000);
+    table.map("ref_vel_*", |_, _| 3.6);
+    table.write_csv(&folder.path().join("moving.csv"))?;
+    let (verdict, said) = run("calibrate moving --filter 36d-p")?;
+    assert!(verdict.starts_with("36d-p does not fit: most readings of position contradict it"), "{verdict}");
+    assert!(said.contains("check unit, sign and frame of the reference"), "{said}");
+    Ok(())
+}

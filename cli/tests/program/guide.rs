@@ -293,6 +293,10 @@ fn mistakes() -> Vec<Mistake> {
             Ok(CALIBRATE.into())
         },
         |folder| {
+            simulated(folder, "mine", "[population]\naccel-delay = \"5 ms\"\n")?;
+            Ok([CALIBRATE, &["--passes", "1"]].concat())
+        },
+        |folder| {
             simulated(folder, "mine", "[population]\naccel-scale = \"20000 ppm\"\n")?;
             Ok(CALIBRATE.into())
         },

@@ -1,5 +1,7 @@
 //! Tests that run the built program.
 
+#[cfg(target_os = "linux")]
+mod bombs;
 mod broken_inputs;
 mod coarse;
 mod commands;

@@ -68,7 +68,7 @@ fn every_command_refuses_a_broken_log() -> Done {
     fs::write(folder.path().join("bad.toml"), DESCRIPTION)?;
     let calibration = sinscal(folder.path(), &["calibrate", "log", "--filter", "36d-p", "--json", "c.json"])?;
     assert!(calibration.status.success());
-    let row = "bad.csv, row 77, column `dvel_y`: is inf, a velocity increment in m/s was expected";
+    let row = "bad.csv, line 78, row 77, column `dvel_y`: is inf, a velocity increment in m/s was expected";
     let mut complaints = Vec::new();
     for (arguments, expected) in [
         (&["calibrate", "bad", "--filter", "43d-b", "--smooth"][..], row),

@@ -64,8 +64,67 @@ fn text_as_tools_write_it() -> Done {
         ),
         (Csv(|text| line(&text, 9, |row| row.replace('.', ","))), &["row 9: has", "written with a point"]),
         (Csv(|text| line(&text, 9, |row| format!("{row},"))), &["row 9: has 27 fields, the header has 26"]),
-        (Csv(|text| line(&text, 9, |_| "the operator stopped here".into())), &["row 9: has 1 fields"]),
-        (Csv(|text| line(&text, 9, |row| row.replace("30.5", "0x1e"))), &["row 9, column `temp_y`: `0x1e`"]),
+        (
+            Csv(|text| line(&text, 9, |_| "the operator stopped here".into())),
+            &[
+                "line 10, row 9: `the operator stopped here` has 1 field, the header has 26",
+                "fields are missing",
+            ],
+        ),
+        (
+            Csv(|text| line(&text, 9, |_| "# paused".into())),
+            &["line 10, row 9: `# paused`", "comments are not read"],
+        ),
+        (
+            Csv(|text| text.replace('\n', "\n\n").replacen("30.5", "?", 1).into()),
+            &["line 3, row 1, column `temp_y`: `?` is not a number"],
+        ),
+        (
+            Csv(|text| line(&text, 9, |row| row.replace("30.5", "0x1e"))),
+            &["line 10, row 9, column `temp_y`: `0x1e` is not a number", "a plain number such as -1.5e-3"],
+        ),
+        (
+            Csv(|text| line(&text, 9, |row| row.replace("30.5", "30.5 C"))),
+            &["`30.5 C` is not a number", "no unit"],
+        ),
+        (
+            Csv(|text| line(&text, 9, |row| row.replacen("0.18", "1'000.18", 1))),
+            &["row 9, column `time_s`: `1'000.18` is not a number", "plain numbers"],
+        ),
+        (
+            Csv(|text| line(&text, 9, |row| row.replacen("0.18", "\"1,000.18\"", 1))),
+            &["row 9: has 27 fields, the header has 26", "without a separator of thousands"],
+        ),
+        (
+            Csv(|text| line(&text, 9, |row| row.replace("30.5", "\x1b[31m"))),
+            &["row 9, column `temp_y`: `\u{fffd}[31m` is not a number"],
+        ),
+        (
+            Csv(|text| {
+                let (header, rows) = text.split_once('\n').unwrap_or_default();
+                format!("{header}\n{}", rows.replace('.', ",")).into()
+            }),
+            &["line 2, row 1: has", "decimal commas?"],
+        ),
+        (Csv(|text| text.replace('\n', "\r").into()), &["log.csv: ends its lines as old Macs did"]),
+        (
+            Csv(|text| text.replace('\n', "\r").repeat(20).into()),
+            &["log.csv: no line end within 64 KiB, but CR"],
+        ),
+        (
+            Csv(|text| {
+                let (start, end) = text.split_once("temp_y").unwrap_or_default();
+                [start.as_bytes(), b"temp_y \xb0C", end.as_bytes()].concat()
+            }),
+            &["log.csv: line 1 is not UTF-8 text after `temp_y `", "save it as UTF-8"],
+        ),
+        (
+            Csv(|text| {
+                let columns: Vec<String> = (0..60).map(|column| format!(",odd{column}")).collect();
+                line(&text, 0, |header| header.to_owned() + &columns.concat())
+            }),
+            &["column `odd0`: is not a column", "and 40 more faults like these"],
+        ),
         (
             Csv(|text| line(&text, 9, |row| row.replace("30.5", "--"))),
             &["row 9, column `temp_y`: `--` is not"],
@@ -78,9 +137,12 @@ fn text_as_tools_write_it() -> Done {
         (Csv(|text| [text.as_bytes(), b"\xe9\xe8,1,2\n"].concat()), &["row 401: is not text", "UTF-8"]),
         (
             Csv(|text| [text.as_bytes(), b"\0\0\0\0\0\0\0\0"].concat()),
-            &["row 401: has 1 fields, the header has 26"],
+            &["row 401: `\u{fffd}", "has 1 field, the header has 26"],
         ),
-        (Csv(|text| format!("{text}{text}").into()), &["row 401", "`time_s` is not a number"]),
+        (
+            Csv(|text| format!("{text}{text}").into()),
+            &["line 402, row 401", "`time_s` is not a number", "were two files joined?"],
+        ),
         (
             Csv(|text| {
                 let header = text.lines().next().unwrap_or_default();
@@ -91,8 +153,19 @@ fn text_as_tools_write_it() -> Done {
         (Csv(|text| text.lines().next().unwrap_or_default().into()), &["log.csv: has no rows"]),
         (Csv(|_| "\n\n\n".into()), &["log.csv: is empty"]),
         (Csv(|_| "\u{feff}".into()), &["log.csv"]),
-        (Csv(|_| b"\x1f\x8b\x08\0\0\0\0\0\0\0".into()), &["log.csv: is not text"]),
-        (Csv(|_| b"PK\x03\x04\x14\0\x06\0".into()), &["log.csv"]),
+        (Csv(|_| b"\x1f\x8b\x08\0\0\0\0\0\0\0".into()), &["log.csv: is packed by gzip", "unpack it"]),
+        (
+            Csv(|_| b"PK\x03\x04\x14\0\x06\0".into()),
+            &["log.csv: is a zip archive, as spreadsheets are", "export"],
+        ),
+        (
+            Csv(|_| b"\x89HDF\r\n\x1a\n".into()),
+            &["log.csv: is an HDF5 file, its ending says CSV", "call it .h5"],
+        ),
+        (
+            Csv(|text| format!("\u{feff}sep=,\n{text}").into()),
+            &["none of its columns", "the first is `sep=`"],
+        ),
         (Csv(|_| b"<!DOCTYPE html><html><body>Sign in</body></html>".into()), &["none of its columns"]),
         (Csv(|_| b"{\"time_s\": [0.02], \"dtheta_x\": [0]}".into()), &["none of its columns"]),
     ])

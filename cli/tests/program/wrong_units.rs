@@ -63,6 +63,11 @@ fn units_of_velocity_increments() -> Done {
         ),
         (Rows(|t| scaled(t, 1e3)), &["row 1, column `dvel_z`: 195.892", "in 0.02 s is 9794.6 m/s^2"]),
         (Rows(|t| scaled(t, 0.0)), &["0.000 m/s^2 on average"]),
+        // every second row left out, and what it held
+        (
+            Rows(|t| scaled(t, 0.5)),
+            &["feels 4.897 m/s^2, gravity is 9.795", "where rows were left out, theirs are to be added"],
+        ),
     ])
 }
 
@@ -74,8 +79,24 @@ fn units_of_time() -> Done {
             &["column `time_s`", "looks like times in ms: seconds are expected"],
         ),
         (Rows(|t| t.map("time_s", |_, time| time * 1e6)), &["looks like times in us"]),
-        (Rows(|t| t.map("time_s", |_, time| 1e9 * time)), &["looks like times in ns"]),
-        (Rows(|t| t.map("time_s", |row, _| row as f64)), &["(1.000 Hz), the description says 50.000 Hz"]),
+        (
+            Rows(|t| t.map("time_s", |_, time| 1e9 * time)),
+            &["2.000e7 s apart (5.000e-8 Hz)", "looks like times in ns"],
+        ),
+        (Rows(|t| t.map("time_s", |_, time| time / 60.0)), &["looks like times in minutes"]),
+        (Rows(|t| t.map("time_s", |_, time| time / 86_400.0)), &["looks like times in days"]),
+        (
+            Rows(|t| t.map("time_s", |row, _| row as f64)),
+            &["(1.000 Hz), the description says 50.000 Hz", "this looks like row numbers"],
+        ),
+        (
+            Rows(|t| t.map("time_s", |_, time| f64::from((1.7e9 + time) as f32))),
+            &["row 2, column `time_s`: 1700000000 s repeats", "written with too few digits"],
+        ),
+        (
+            Rows(|t| t.map("time_s", |_, time| time % 4.0)),
+            &["row 200, column `time_s`: 0 s follows 3.98 s", "or a clock that began anew?"],
+        ),
         (Toml("rate_hz = 50.0", "rate_hz = 0.02"), &["column `time_s`", "the description says 0.020 Hz"]),
         (Toml("rate_hz = 50.0", "rate_hz = 5000.0"), &["(50.000 Hz), the description says 5000.000 Hz"]),
     ])
@@ -99,7 +120,7 @@ fn orders_and_places() -> Done {
         (
             Both(|text| text.replace("[1.0, 0.0, 0.0, 0.0]", "[0.7071068, 0.0, 0.0, 0.7071068]"), tipped),
             &[
-                "log.toml: field `initial.quaternion_wxyz`: gravity would be 90.0 deg off",
+                "log.toml, line 9, field `initial.quaternion_wxyz`: gravity would be 90.0 deg off",
                 "in the order x, y, z, w",
             ],
         ),
@@ -108,6 +129,53 @@ fn orders_and_places() -> Done {
             &[
                 "gravity would be 180.0 deg off the vertical where the unit stands still",
                 "this one is its inverse",
+            ],
+        ),
+        // axes forward, right and down, or the accelerometers' sign
+        (
+            Rows(|t| {
+                t.map("dvel_z", |_, velocity| -velocity);
+                t.map("dtheta_z", |_, angle| -angle);
+            }),
+            &[
+                "line 9, field `initial.quaternion_wxyz`: gravity would be 180.0",
+                "or the axes are forward, right, down",
+            ],
+        ),
+        // x and y exchanged
+        (
+            Rows(|t| {
+                t.rename("dtheta_x", "aside");
+                t.rename("dtheta_y", "dtheta_x");
+                t.rename("aside", "dtheta_y");
+            }),
+            &[
+                "field `initial.quaternion_wxyz`: the Earth's rate would point 90 deg off north",
+                "x and y exchanged, or a heading that does not count from north?",
+            ],
+        ),
+        (
+            Rows(|t| {
+                t.map("ref_quat_w", |_, _| 0.0);
+                t.map("ref_quat_z", |_, _| 1.0);
+            }),
+            &[
+                "`ref_quat_x`, `ref_quat_y`, `ref_quat_z`: the Earth's rate would point 180 deg off north",
+                "these numbers are in the order x, y, z, w",
+            ],
+        ),
+        (
+            Rows(|t| t.map("dtheta_z", |_, _| 0.0)),
+            &["field `site.latitude_deg`", "shows about 0", "`dtheta_z`", "read nothing but 0"],
+        ),
+        (
+            Rows(|t| {
+                t.map("ref_pos_e", |_, _| 32.06);
+                t.map("ref_pos_n", |_, _| 118.8);
+            }),
+            &[
+                "column `ref_pos_e`, `ref_pos_n`, `ref_pos_u`: begins with 32.06 and 118.8: the longitude and latitude",
+                "in m",
             ],
         ),
         (
