@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use parquet::basic::{Compression, ConvertedType, LogicalType, Repetition, Type as Physical};
 use parquet::column::reader::ColumnReaderImpl;
 use parquet::data_type::{DataType, DoubleType, FloatType, Int32Type, Int64Type};
+use parquet::errors;
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::Type;
@@ -31,6 +32,8 @@ pub(super) struct ParquetSource {
     next: usize,
     /// Readers of the open row group, one for each column.
     open: Vec<Numbers>,
+    /// Rows of it that have not been read.
+    left: usize,
     position: u64,
 }
 
@@ -69,22 +72,23 @@ impl ParquetSource {
             };
             columns.push(Column { slot, leaf, kind: *kind });
         }
-        let source = Self { path: path.to_owned(), reader, columns, next: 0, open: Vec::new(), position: 0 };
+        let source =
+            Self { path: path.to_owned(), reader, columns, next: 0, open: Vec::new(), left: 0, position: 0 };
         Ok((source, layout, rows))
     }
 
     /// Fills `batch` with rows of the open row group; with none at its end.
     fn fill(&mut self, batch: &mut Batch) -> Result<(), String> {
+        let rows = ROWS.min(self.left);
         let mut levels = Vec::new();
         for (column, numbers) in self.columns.iter().zip(&mut self.open) {
             let into = batch.column_mut(column.slot);
-            numbers.read(&mut levels, into).map_err(|error| error.to_string())?;
+            numbers.read(rows, &mut levels, into).map_err(|error| error.to_string())?;
+            if into.len() != rows {
+                return Err("a column ends before the others".into());
+            }
         }
-        let mut lengths = self.columns.iter().map(|column| batch.column_mut(column.slot).len());
-        let rows = lengths.next().unwrap_or(0);
-        if lengths.any(|length| length != rows) {
-            return Err("its columns differ in length".into());
-        }
+        self.left -= rows;
         batch.rows = rows;
         Ok(())
     }
@@ -93,6 +97,7 @@ impl ParquetSource {
     fn advance(&mut self) -> Result<(), String> {
         let group = self.reader.get_row_group(self.next).map_err(|error| error.to_string())?;
         self.next += 1;
+        self.left = usize::try_from(group.metadata().num_rows()).map_err(|error| error.to_string())?;
         self.open.clear();
         for column in &self.columns {
             let descriptor = group.metadata().schema_descr().column(column.leaf);
@@ -100,12 +105,8 @@ impl ParquetSource {
             self.open.push(match column.kind {
                 Number::F64 => Numbers::F64(ColumnReaderImpl::new(descriptor, pages)),
                 Number::F32 => Numbers::F32(ColumnReaderImpl::new(descriptor, pages)),
-                Number::I32 | Number::U32 => {
-                    Numbers::I32(ColumnReaderImpl::new(descriptor, pages), column.kind)
-                }
-                Number::I64 | Number::U64 => {
-                    Numbers::I64(ColumnReaderImpl::new(descriptor, pages), column.kind)
-                }
+                Number::I32(f64_of) => Numbers::I32(ColumnReaderImpl::new(descriptor, pages), f64_of),
+                Number::I64(f64_of) => Numbers::I64(ColumnReaderImpl::new(descriptor, pages), f64_of),
             });
         }
         Ok(())
@@ -186,15 +187,13 @@ fn damaged(path: &Path, problem: &str) -> LogError {
         .help("supported: plain columns of numbers, uncompressed or compressed with Snappy or Zstandard")
 }
 
-/// How a column holds numbers.
+/// How a column holds numbers; what integers mean depends on their sign.
 #[derive(Clone, Copy)]
 enum Number {
     F64,
     F32,
-    I32,
-    U32,
-    I64,
-    U64,
+    I32(fn(i32) -> f64),
+    I64(fn(i64) -> f64),
 }
 
 /// How a column holds numbers, or what it holds instead.
@@ -229,8 +228,10 @@ fn number(field: &Type) -> Result<Number, &'static str> {
     match field.get_physical_type() {
         Physical::DOUBLE => Ok(Number::F64),
         Physical::FLOAT => Ok(Number::F32),
-        Physical::INT32 => Ok(if unsigned { Number::U32 } else { Number::I32 }),
-        Physical::INT64 => Ok(if unsigned { Number::U64 } else { Number::I64 }),
+        Physical::INT32 if unsigned => Ok(Number::I32(|value| value.cast_unsigned().into())),
+        Physical::INT32 => Ok(Number::I32(f64::from)),
+        Physical::INT64 if unsigned => Ok(Number::I64(|value| value.cast_unsigned() as f64)),
+        Physical::INT64 => Ok(Number::I64(|value| value as f64)),
         Physical::BOOLEAN => Err("true/false values"),
         Physical::INT96 => Err("dates"),
         Physical::BYTE_ARRAY | Physical::FIXED_LEN_BYTE_ARRAY => Err("bytes or text"),
@@ -241,45 +242,39 @@ fn number(field: &Type) -> Result<Number, &'static str> {
 enum Numbers {
     F64(ColumnReaderImpl<DoubleType>),
     F32(ColumnReaderImpl<FloatType>),
-    I32(ColumnReaderImpl<Int32Type>, Number),
-    I64(ColumnReaderImpl<Int64Type>, Number),
+    I32(ColumnReaderImpl<Int32Type>, fn(i32) -> f64),
+    I64(ColumnReaderImpl<Int64Type>, fn(i64) -> f64),
 }
 
 impl Numbers {
-    /// Appends the next [`ROWS`] cells, empty ones as NaN; `levels` is room to work in.
-    fn read(&mut self, levels: &mut Vec<i16>, into: &mut Vec<f64>) -> parquet::errors::Result<()> {
+    /// Appends the next `rows` cells, empty ones as NaN; `levels` is room to work in.
+    fn read(&mut self, rows: usize, levels: &mut Vec<i16>, into: &mut Vec<f64>) -> errors::Result<()> {
         match self {
-            Self::F64(reader) => cells(reader, levels, into, |value| value),
-            Self::F32(reader) => cells(reader, levels, into, f64::from),
-            Self::I32(reader, Number::U32) => {
-                cells(reader, levels, into, |value| f64::from(value.cast_unsigned()))
-            }
-            Self::I32(reader, _) => cells(reader, levels, into, f64::from),
-            Self::I64(reader, Number::U64) => {
-                cells(reader, levels, into, |value| value.cast_unsigned() as f64)
-            }
-            Self::I64(reader, _) => cells(reader, levels, into, |value| value as f64),
+            Self::F64(reader) => cells(reader, rows, levels, into, |value| value),
+            Self::F32(reader) => cells(reader, rows, levels, into, f64::from),
+            Self::I32(reader, f64_of) => cells(reader, rows, levels, into, *f64_of),
+            Self::I64(reader, f64_of) => cells(reader, rows, levels, into, *f64_of),
         }
     }
 }
 
 fn cells<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
+    rows: usize,
     levels: &mut Vec<i16>,
     into: &mut Vec<f64>,
-    f64_of: fn(T::T) -> f64,
-) -> parquet::errors::Result<()> {
+    f64_of: impl Fn(T::T) -> f64,
+) -> errors::Result<()> {
     levels.clear();
-    let mut values = Vec::new();
-    reader.read_records(ROWS, Some(levels), None, &mut values)?;
+    let mut values = Vec::with_capacity(rows);
+    reader.read_records(rows, Some(levels), None, &mut values)?;
     let mut values = values.into_iter().map(f64_of);
     if levels.is_empty() {
-        // no cell of this column is empty
+        // no cell of this column may be empty
         into.extend(values);
     } else {
-        into.extend(
-            levels.iter().map(|level| if *level > 0 { values.next() } else { None }.unwrap_or(f64::NAN)),
-        );
+        let cell = |level: &i16| if *level > 0 { values.next() } else { None };
+        into.extend(levels.iter().map(cell).map(|value| value.unwrap_or(f64::NAN)));
     }
     Ok(())
 }
