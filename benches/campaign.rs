@@ -55,7 +55,10 @@ fn main() {
             }
         }
         let [one, two] = least.map(|time| time.as_secs_f64());
-        println!("{UNITS} units: {one:.3} s on one thread, {two:.3} s on two, {:.2} times as fast", one / two);
+        println!(
+            "{UNITS} units: {one:.3} s on one thread, {two:.3} s on two, {:.2} times as fast",
+            one / two
+        );
         return;
     }
     let mut criterion = Criterion::default().configure_from_args();

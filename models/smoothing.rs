@@ -12,10 +12,11 @@
 //! which needs no filtered covariance and keeps P_s positive. Only the leading rows of G are not those of the identity: they
 //! are computed on the way there and put on a [`Tape`], which is read backwards.
 
+use core::marker::PhantomData;
 use std::io;
 use std::vec::Vec;
 
-use calib_core::{CoreRows, CoreVector, Filter, Form, Kalman, Matrix, Shape, Transition, Vector};
+use calib_core::{Array, Filter, Form, Matrix, Shape};
 use nalgebra::{DMatrix, DVector, Quaternion, SMatrix, UnitQuaternion, Vector3};
 
 use crate::strapdown::NavigationState;
@@ -62,8 +63,17 @@ impl Tape for Vec<f64> {
 /// It puts `10 N + 101` numbers on the tape for each update of a filter of N states: 15 MB for an hour of updates at 1 Hz
 /// with 43 states. Elsewhere it keeps nothing that grows, but for what [`finish`](Self::finish) returns.
 pub struct Smoother<F: Filter<Dynamics = Strapdown>, T: Tape = Vec<f64>> {
+    steps: Steps<T>,
+    filter: PhantomData<fn() -> F>,
+}
+
+/// What a smoother does whatever the filter: compiled once for all of them.
+struct Steps<T: Tape> {
     tape: T,
-    prediction: Option<(CoreRows<F, f64>, DMatrix<f64>)>,
+    /// Number of states.
+    states: usize,
+    /// `[Phi Psi]` and noise of the last prediction.
+    prediction: Option<(DMatrix<f64>, DMatrix<f64>)>,
     /// The record of the last prediction: leading rows of its gain, noise of the step back, then what an update fills in.
     record: Vec<f64>,
     pending: bool,
@@ -97,34 +107,63 @@ impl<F: Filter<Dynamics = Strapdown>, T: Tape + Default> Default for Smoother<F,
 impl<F: Filter<Dynamics = Strapdown>, T: Tape> Observer<F> for Smoother<F, T> {
     fn observe<K: Form>(&mut self, event: Event<'_, F, K>) {
         match event {
-            Event::Predicted { transition, density } => self.predicted(transition, density),
-            Event::Moved(kalman) => self.moved(kalman),
-            // `Moved` comes again, with the wider covariance
-            Event::Widened(variances) => {
-                if let Some((_, q)) = &mut self.prediction {
-                    for i in 0..C {
-                        q[(i, i)] += variances[i];
-                    }
-                }
+            Event::Predicted { transition, density } => {
+                let (rows, q) = (transition.rows(), transition.noise(density));
+                let rows = DMatrix::from_fn(C, F::Shape::STATES, |i, j| rows[i][j]);
+                self.steps.predicted(rows, DMatrix::from_fn(C, C, |i, j| q[i][j]));
             }
-            Event::Updated { time, change, navigation } => self.updated(time, change, navigation),
+            Event::Moved(kalman) => self.steps.moved(&dense::<F>(&kalman.covariance())),
+            // `Moved` comes again, with the wider covariance
+            Event::Widened(variances) => self.steps.widened(variances.as_slice()),
+            Event::Updated { time, change, navigation } => {
+                self.steps.updated(time, change.as_slice(), navigation);
+            }
             _ => {}
         }
     }
 }
 
+fn dense<F: Filter>(p: &Matrix<F, f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(F::Shape::STATES, F::Shape::STATES, |i, j| p[i][j])
+}
+
 impl<F: Filter<Dynamics = Strapdown>, T: Tape> Smoother<F, T> {
-    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
-        self.keep();
-        let q = transition.noise(density);
-        self.prediction = Some((transition.rows().clone(), DMatrix::from_fn(C, C, |i, j| q[i][j])));
+    /// Begins with an empty tape.
+    pub fn new(tape: T) -> Self {
+        let states = F::Shape::STATES;
+        let steps =
+            Steps { tape, states, prediction: None, record: Vec::new(), pending: false, failure: None };
+        Self { steps, filter: PhantomData }
     }
 
-    fn moved<K: Form>(&mut self, kalman: &Kalman<F, f64, K>) {
+    /// Smooths what was observed: one solution for each update, in the order of time. `covariance` is that of the run at its
+    /// end.
+    ///
+    /// # Errors
+    /// When the tape failed.
+    pub fn finish(self, covariance: &Matrix<F, f64>) -> io::Result<Vec<Smoothed>> {
+        self.steps.finish(dense::<F>(covariance))
+    }
+}
+
+impl<T: Tape> Steps<T> {
+    fn predicted(&mut self, rows: DMatrix<f64>, q: DMatrix<f64>) {
+        self.keep();
+        self.prediction = Some((rows, q));
+    }
+
+    fn widened(&mut self, variances: &[f64]) {
+        if let Some((_, q)) = &mut self.prediction {
+            for i in 0..C {
+                q[(i, i)] += variances[i];
+            }
+        }
+    }
+
+    fn moved(&mut self, p: &DMatrix<f64>) {
         let Some((rows, q)) = &self.prediction else { return };
-        let n = F::Shape::STATES;
-        let p = kalman.covariance();
-        let factor = Factor::new(n, |i, j| p[i][j]);
+        let n = self.states;
+        let factor = Factor::new(p);
         // the leading rows of P^-1
         let mut weights = DMatrix::zeros(C, n);
         for i in 0..C {
@@ -136,11 +175,11 @@ impl<F: Filter<Dynamics = Strapdown>, T: Tape> Smoother<F, T> {
         for i in 0..C {
             gain[(i, i)] += 1.0;
             for j in C..n {
-                gain[(i, j)] -= rows[i][j];
+                gain[(i, j)] -= rows[(i, j)];
             }
         }
         let noise = q - q * weights.columns(0, C) * q;
-        let phi = DMatrix::from_fn(C, C, |i, j| rows[i][j]).lu();
+        let phi = rows.columns(0, C).into_owned().lu();
         // phi^-1 exists: it is near the identity
         let (Some(gain), Some(half)) = (phi.solve(&gain), phi.solve(&noise)) else { return };
         let Some(noise) = phi.solve(&half.transpose()) else { return };
@@ -153,24 +192,17 @@ impl<F: Filter<Dynamics = Strapdown>, T: Tape> Smoother<F, T> {
         self.pending = true;
     }
 
-    fn updated(&mut self, time: f64, change: &Vector<F, f64>, navigation: &NavigationState<f64>) {
+    fn updated(&mut self, time: f64, change: &[f64], navigation: &NavigationState<f64>) {
         // at the first sample nothing has been predicted yet
         if !self.pending {
             return;
         }
-        let n = F::Shape::STATES;
+        let n = self.states;
         let at = length(n) - SOLUTION;
-        for i in 0..n {
-            self.record[at - n + i] = change[i];
-        }
+        self.record[at - n..at].copy_from_slice(change);
         let NavigationState { attitude: q, velocity: v, latitude, longitude, height } = *navigation;
         let solution = [time, q.w, q.i, q.j, q.k, v.x, v.y, v.z, latitude, longitude, height];
         self.record[at..].copy_from_slice(&solution);
-    }
-
-    /// Begins with an empty tape.
-    pub fn new(tape: T) -> Self {
-        Self { tape, prediction: None, record: Vec::new(), pending: false, failure: None }
     }
 
     /// Puts the record of the last prediction on the tape.
@@ -181,21 +213,15 @@ impl<F: Filter<Dynamics = Strapdown>, T: Tape> Smoother<F, T> {
         self.pending = false;
     }
 
-    /// Smooths what was observed: one solution for each update, in the order of time. `covariance` is that of the run at its
-    /// end.
-    ///
-    /// # Errors
-    /// When the tape failed.
-    pub fn finish(mut self, covariance: &Matrix<F, f64>) -> io::Result<Vec<Smoothed>> {
+    fn finish(mut self, mut p: DMatrix<f64>) -> io::Result<Vec<Smoothed>> {
         self.keep();
         if let Some(failure) = self.failure {
             return Err(failure);
         }
-        let n = F::Shape::STATES;
+        let n = self.states;
         let mut smoothed = Vec::new();
-        // expectation of the errors of the filtered solution given the whole run, and their covariance
+        // expectation of the errors of the filtered solution given the whole run; p is their covariance
         let mut s = DVector::<f64>::zeros(n);
-        let mut p = DMatrix::from_fn(n, n, |i, j| covariance[i][j]);
         let mut record = std::vec![0.0; length(n)];
         while self.tape.pop(&mut record)? {
             let (gain, rest) = record.split_at(C * n);
@@ -249,13 +275,13 @@ struct Factor {
 }
 
 impl Factor {
-    fn new(n: usize, entry: impl Fn(usize, usize) -> f64) -> Self {
-        let scale =
-            DVector::from_fn(n, |i, _| if entry(i, i) > 0.0 { 1.0 / entry(i, i).sqrt() } else { 0.0 });
+    fn new(p: &DMatrix<f64>) -> Self {
+        let n = p.nrows();
+        let scale = DVector::from_fn(n, |i, _| if p[(i, i)] > 0.0 { 1.0 / p[(i, i)].sqrt() } else { 0.0 });
         let mut l = DMatrix::<f64>::zeros(n, n);
         for i in 0..n {
             for j in 0..=i {
-                let mut sum = entry(i, j) * scale[i] * scale[j];
+                let mut sum = p[(i, j)] * scale[i] * scale[j];
                 for k in 0..j {
                     sum -= l[(i, k)] * l[(j, k)];
                 }

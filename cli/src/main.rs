@@ -28,6 +28,7 @@ mod scenario;
 mod self_test;
 mod setup;
 mod simulate;
+mod table;
 
 use std::io::IsTerminal;
 use std::process::ExitCode;

@@ -2,15 +2,9 @@
 
 use std::io::{self, Write};
 use std::path::PathBuf;
-use std::sync::Arc;
 
-use arrow_array::{ArrayRef, Float64Array, RecordBatch};
-use arrow_schema::{DataType, Field, Schema};
 use clap::Args;
 use miette::{Result, miette};
-use parquet::arrow::ArrowWriter;
-use parquet::basic::{Compression, ZstdLevel};
-use parquet::file::properties::WriterProperties;
 use rig::{DEFAULT_SCENARIO, Description, Simulation, Truth};
 use sinscal::Sample;
 
@@ -18,10 +12,11 @@ use crate::figures::significant;
 use crate::output::{self, Files};
 use crate::report::inputs::Inputs;
 use crate::report::{Report, Section, Table, Tone, number, text};
+use crate::table::{self, Cells, TableWriter};
 use crate::{say, scenario};
 
-/// Rows per batch of the written table.
-const ROWS: usize = 8192;
+/// Rows per piece of the written table.
+const ROWS: usize = 65_536;
 
 /// What its help ends with.
 const EXAMPLES: &str = "\
@@ -160,42 +155,24 @@ fn write_table(
     file: &mut (dyn Write + Send),
 ) -> io::Result<()> {
     let columns = columns(description);
-    let fields: Vec<Field> =
-        columns.iter().map(|(name, _)| Field::new(name, DataType::Float64, false)).collect();
-    let schema = Arc::new(Schema::new(fields));
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::ZSTD(ZstdLevel::default()))
-        .set_created_by(concat!("sinscal ", env!("CARGO_PKG_VERSION")).into())
-        .build();
-    let mut writer = ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))?;
-    let bar = say::progress_bar(simulation.samples(), "simulating");
-    let mut batch: Vec<Vec<f64>> = vec![Vec::with_capacity(ROWS); columns.len()];
-    let mut flush = |batch: &mut Vec<Vec<f64>>| -> io::Result<()> {
-        let rows = batch[0].len();
-        let arrays: Vec<ArrayRef> = batch
-            .iter_mut()
-            .map(|column| Arc::new(Float64Array::from(std::mem::take(column))) as ArrayRef)
-            .collect();
-        let written = RecordBatch::try_new(Arc::clone(&schema), arrays).map_err(io::Error::other)?;
-        writer.write(&written)?;
-        bar.inc(rows as u64);
-        Ok(())
+    let cells = |piece: &[Sample]| -> Vec<table::Column> {
+        let cells = |of: &dyn Fn(&Sample) -> f64| Cells::Numbers(piece.iter().map(of).collect());
+        columns.iter().map(|(name, of)| (name.clone(), cells(of))).collect()
     };
-    for sample in simulation {
-        inputs.push(&sample);
-        for (column, (_, of)) in batch.iter_mut().zip(&columns) {
-            column.push(of(&sample));
+    let mut writer = TableWriter::new(file, &cells(&[]))?;
+    let bar = say::progress_bar(simulation.samples(), "simulating");
+    let mut samples = simulation;
+    loop {
+        let piece: Vec<Sample> = samples.by_ref().take(ROWS).collect();
+        if piece.is_empty() {
+            break;
         }
-        if batch[0].len() == ROWS {
-            flush(&mut batch)?;
-        }
-    }
-    if !batch[0].is_empty() {
-        flush(&mut batch)?;
+        piece.iter().for_each(|sample| inputs.push(sample));
+        writer.write(&cells(&piece))?;
+        bar.inc(piece.len() as u64);
     }
     bar.finish_and_clear();
-    writer.close()?;
-    Ok(())
+    writer.finish()
 }
 
 #[cfg(test)]

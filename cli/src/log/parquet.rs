@@ -4,21 +4,15 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use arrow_array::cast::AsArray;
-use arrow_array::types::{
-    ArrowPrimitiveType, Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type,
-    UInt16Type, UInt32Type, UInt64Type,
-};
-use arrow_array::{Array, ArrayRef, RecordBatch};
-use arrow_schema::DataType;
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::{
-    ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder,
-};
-use parquet::basic::Compression;
+use parquet::basic::{Compression, ConvertedType, LogicalType, Repetition, Type as Physical};
+use parquet::column::reader::ColumnReaderImpl;
+use parquet::data_type::{DataType, DoubleType, FloatType, Int32Type, Int64Type};
+use parquet::errors;
 use parquet::file::metadata::ParquetMetaData;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::schema::types::Type;
 
-use super::columns::{Batch, NAMES, Source};
+use super::columns::{Batch, Source};
 use super::fault::LogError;
 use super::guard::guarded;
 use super::layout::{Holds, Layout, Variable};
@@ -33,12 +27,25 @@ const MAGIC: &[u8; 4] = b"PAR1";
 /// A Parquet file being read.
 pub(super) struct ParquetSource {
     path: PathBuf,
-    reader: ParquetRecordBatchReader,
-    /// Slot of each projected column, in the file's order.
-    slots: Vec<usize>,
+    reader: SerializedFileReader<File>,
+    columns: Vec<Column>,
+    /// The row group that comes after the open one.
+    next: usize,
+    /// Readers of the open row group, one for each column.
+    open: Vec<Numbers>,
+    /// Rows of it that have not been read.
+    left: usize,
     position: u64,
     /// Rows that the file announces.
     rows: u64,
+}
+
+/// A column that is wanted.
+struct Column {
+    slot: usize,
+    /// Its place among the columns of the file, those inside of nested ones counted.
+    leaf: usize,
+    kind: Number,
 }
 
 impl ParquetSource {
@@ -46,40 +53,66 @@ impl ParquetSource {
     pub(super) fn open(path: &Path, map: &ColumnMap) -> Result<(Self, Layout, u64), LogError> {
         let mut file = File::open(path).map_err(|error| super::unreadable(path, &error))?;
         check_magic(path, &mut file)?;
-        let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
-        let builder = guarded(|| ParquetRecordBatchReaderBuilder::try_new_with_options(file, options))
-            .map_err(|problem| damaged(path, &problem))?;
-        let fields = builder.schema().fields();
-        let variables = fields.iter().map(|field| {
-            let width = if is_number(field.data_type()) { Ok(1) } else { Err(describe(field.data_type())) };
-            Variable { name: field.name().clone(), width }
+        let reader =
+            guarded(|| SerializedFileReader::new(file)).map_err(|problem| damaged(path, &problem))?;
+        let schema = reader.metadata().file_metadata().schema_descr();
+        let kinds: Vec<_> = schema.root_schema().get_fields().iter().map(|field| number(field)).collect();
+        let fields = schema.root_schema().get_fields().iter().zip(&kinds);
+        let variables = fields.map(|(field, kind)| {
+            let width = kind.map(|_| 1).map_err(str::to_owned);
+            Variable { name: field.name().to_owned(), width }
         });
         let layout = Layout::new(path, &variables.collect::<Vec<_>>(), Holds::Columns, map)?;
-        check_compression(path, builder.metadata())?;
-        check_pages(path, builder.metadata(), &layout)?;
-        let rows = u64::try_from(builder.metadata().file_metadata().num_rows())
+        check_compression(path, reader.metadata())?;
+        check_pages(path, reader.metadata(), &layout)?;
+        let rows = u64::try_from(reader.metadata().file_metadata().num_rows())
             .map_err(|_| damaged(path, "a negative number of rows"))?;
-        let mut columns: Vec<(usize, usize)> =
-            layout.columns().map(|(slot, place)| (place.variable, slot)).collect();
-        columns.sort_unstable();
-        let mask = ProjectionMask::roots(builder.parquet_schema(), columns.iter().map(|(index, _)| *index));
-        let reader = guarded(|| builder.with_projection(mask).with_batch_size(ROWS).build())
-            .map_err(|problem| damaged(path, &problem))?;
-        let slots = columns.into_iter().map(|(_, slot)| slot).collect();
-        Ok((Self { path: path.to_owned(), reader, slots, position: 0, rows }, layout, rows))
+        let mut columns = Vec::new();
+        for (slot, place) in layout.columns() {
+            let leaf =
+                (0..schema.num_columns()).find(|leaf| schema.get_column_root_idx(*leaf) == place.variable);
+            let (Some(leaf), Some(Ok(kind))) = (leaf, kinds.get(place.variable)) else {
+                return Err(damaged(path, "columns are lost"));
+            };
+            columns.push(Column { slot, leaf, kind: *kind });
+        }
+        let path = path.to_owned();
+        let source = Self { path, reader, columns, next: 0, open: Vec::new(), left: 0, position: 0, rows };
+        Ok((source, layout, rows))
     }
 
-    fn copy(&self, record: &RecordBatch, batch: &mut Batch) -> Result<(), LogError> {
-        if record.num_columns() != self.slots.len() {
-            return Err(damaged(&self.path, "columns are lost"));
-        }
-        for (array, &slot) in record.columns().iter().zip(&self.slots) {
-            if !numbers(array, batch.column_mut(slot)) {
-                let problem = format!("holds {}, numbers were expected", describe(array.data_type()));
-                return Err(LogError::column(&self.path, NAMES[slot], problem));
+    /// Fills `batch` with rows of the open row group; with none at its end.
+    fn fill(&mut self, batch: &mut Batch) -> Result<(), String> {
+        let rows = ROWS.min(self.left);
+        let mut levels = Vec::new();
+        for (column, numbers) in self.columns.iter().zip(&mut self.open) {
+            let into = batch.column_mut(column.slot);
+            numbers.read(rows, &mut levels, into).map_err(|error| error.to_string())?;
+            if into.len() != rows {
+                return Err("a column ends before the others".into());
             }
         }
-        batch.rows = record.num_rows();
+        self.left -= rows;
+        batch.rows = rows;
+        Ok(())
+    }
+
+    /// Opens the next row group.
+    fn advance(&mut self) -> Result<(), String> {
+        let group = self.reader.get_row_group(self.next).map_err(|error| error.to_string())?;
+        self.next += 1;
+        self.left = usize::try_from(group.metadata().num_rows()).map_err(|error| error.to_string())?;
+        self.open.clear();
+        for column in &self.columns {
+            let descriptor = group.metadata().schema_descr().column(column.leaf);
+            let pages = group.get_column_page_reader(column.leaf).map_err(|error| error.to_string())?;
+            self.open.push(match column.kind {
+                Number::F64 => Numbers::F64(ColumnReaderImpl::new(descriptor, pages)),
+                Number::F32 => Numbers::F32(ColumnReaderImpl::new(descriptor, pages)),
+                Number::I32(f64_of) => Numbers::I32(ColumnReaderImpl::new(descriptor, pages), f64_of),
+                Number::I64(f64_of) => Numbers::I64(ColumnReaderImpl::new(descriptor, pages), f64_of),
+            });
+        }
         Ok(())
     }
 }
@@ -87,22 +120,25 @@ impl ParquetSource {
 impl Source for ParquetSource {
     fn read(&mut self, batch: &mut Batch) -> Result<(), LogError> {
         batch.clear();
-        match guarded(|| self.reader.next().transpose()) {
-            Ok(Some(record)) => {
-                self.copy(&record, batch)?;
-                self.position += batch.rows as u64;
-                Ok(())
+        let groups = self.reader.num_row_groups();
+        let filled = guarded(|| {
+            self.fill(batch)?;
+            while batch.rows == 0 && self.next < groups {
+                self.advance()?;
+                self.fill(batch)?;
             }
-            Ok(None) if self.position < self.rows => {
-                let problem = format!("it holds {} rows, {} were announced", self.position, self.rows);
-                Err(damaged(&self.path, &problem))
-            }
-            Ok(None) => Ok(()),
-            Err(problem) => {
-                let problem = format!("rows after {} cannot be read ({problem})", self.position);
-                Err(damaged(&self.path, &problem))
-            }
+            Ok::<_, String>(())
+        });
+        if let Err(problem) = filled {
+            let problem = format!("rows after {} cannot be read ({problem})", self.position);
+            return Err(damaged(&self.path, &problem));
         }
+        self.position += batch.rows as u64;
+        if batch.rows == 0 && self.position < self.rows {
+            let problem = format!("it holds {} rows, {} were announced", self.position, self.rows);
+            return Err(damaged(&self.path, &problem));
+        }
+        Ok(())
     }
 
     fn position(&self) -> u64 {
@@ -183,51 +219,94 @@ fn damaged(path: &Path, problem: &str) -> LogError {
         .help("supported: plain columns of numbers, uncompressed or compressed with Snappy or Zstandard")
 }
 
-fn is_number(kind: &DataType) -> bool {
-    kind.is_floating() && *kind != DataType::Float16 || kind.is_integer()
+/// How a column holds numbers; what integers mean depends on their sign.
+#[derive(Clone, Copy)]
+enum Number {
+    F64,
+    F32,
+    I32(fn(i32) -> f64),
+    I64(fn(i64) -> f64),
 }
 
-fn describe(kind: &DataType) -> String {
-    match kind {
-        DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => "text".into(),
-        DataType::Binary | DataType::LargeBinary | DataType::BinaryView | DataType::FixedSizeBinary(_) => {
-            "bytes or text".into()
+/// How a column holds numbers, or what it holds instead.
+fn number(field: &Type) -> Result<Number, &'static str> {
+    let info = field.get_basic_info();
+    // the root of a column has no repetition only where a file is damaged
+    if !field.is_primitive() || !info.has_repetition() || info.repetition() == Repetition::REPEATED {
+        return Err("nested values");
+    }
+    // shorter ones are kept as 32 bits
+    let unsigned = match (info.logical_type_ref(), info.converted_type()) {
+        (Some(LogicalType::Integer(kind)), _) => !kind.is_signed,
+        (None, ConvertedType::UINT_8 | ConvertedType::UINT_16) => true,
+        (None, ConvertedType::UINT_32 | ConvertedType::UINT_64) => true,
+        (None, ConvertedType::INT_8 | ConvertedType::INT_16) => false,
+        (None, ConvertedType::INT_32 | ConvertedType::INT_64 | ConvertedType::NONE) => false,
+        (Some(LogicalType::Decimal(_)), _) | (None, ConvertedType::DECIMAL) => {
+            return Err("values of type Decimal");
         }
-        DataType::Boolean => "true/false values".into(),
-        DataType::Timestamp(..) | DataType::Date32 | DataType::Date64 => "dates".into(),
-        DataType::List(_) | DataType::LargeList(_) | DataType::Struct(_) | DataType::Map(..) => {
-            "nested values".into()
+        (Some(LogicalType::Float16), _) => return Err("values of type Float16"),
+        (Some(LogicalType::Unknown), _) => return Err("nothing but empty cells"),
+        (Some(LogicalType::String | LogicalType::Json), _) => return Err("text"),
+        (None, ConvertedType::UTF8 | ConvertedType::JSON) => return Err("text"),
+        (Some(LogicalType::Date | LogicalType::Timestamp(_)), _) | (None, ConvertedType::DATE) => {
+            return Err("dates");
         }
-        other => format!("values of type {other}"),
+        (None, ConvertedType::TIMESTAMP_MILLIS | ConvertedType::TIMESTAMP_MICROS) => return Err("dates"),
+        (Some(LogicalType::Time(_)), _) => return Err("times of day"),
+        (None, ConvertedType::TIME_MILLIS | ConvertedType::TIME_MICROS) => return Err("times of day"),
+        _ => return Err("bytes or text"),
+    };
+    match field.get_physical_type() {
+        Physical::DOUBLE => Ok(Number::F64),
+        Physical::FLOAT => Ok(Number::F32),
+        Physical::INT32 if unsigned => Ok(Number::I32(|value| value.cast_unsigned().into())),
+        Physical::INT32 => Ok(Number::I32(f64::from)),
+        Physical::INT64 if unsigned => Ok(Number::I64(|value| value.cast_unsigned() as f64)),
+        Physical::INT64 => Ok(Number::I64(|value| value as f64)),
+        Physical::BOOLEAN => Err("true/false values"),
+        Physical::INT96 => Err("dates"),
+        Physical::BYTE_ARRAY | Physical::FIXED_LEN_BYTE_ARRAY => Err("bytes or text"),
     }
 }
 
-/// Appends an array as numbers, null as NaN; `false` when it does not hold numbers.
-fn numbers(array: &ArrayRef, into: &mut Vec<f64>) -> bool {
-    fn copy<T: ArrowPrimitiveType>(
-        array: &ArrayRef,
-        into: &mut Vec<f64>,
-        f64_of: fn(T::Native) -> f64,
-    ) -> bool {
-        let Some(array) = array.as_primitive_opt::<T>() else { return false };
-        if array.null_count() == 0 {
-            into.extend(array.values().iter().map(|value| f64_of(*value)));
-        } else {
-            into.extend(array.iter().map(|value| value.map_or(f64::NAN, f64_of)));
+/// A column of a row group on its way into memory.
+enum Numbers {
+    F64(ColumnReaderImpl<DoubleType>),
+    F32(ColumnReaderImpl<FloatType>),
+    I32(ColumnReaderImpl<Int32Type>, fn(i32) -> f64),
+    I64(ColumnReaderImpl<Int64Type>, fn(i64) -> f64),
+}
+
+impl Numbers {
+    /// Appends the next `rows` cells, empty ones as NaN; `levels` is room to work in.
+    fn read(&mut self, rows: usize, levels: &mut Vec<i16>, into: &mut Vec<f64>) -> errors::Result<()> {
+        match self {
+            Self::F64(reader) => cells(reader, rows, levels, into, |value| value),
+            Self::F32(reader) => cells(reader, rows, levels, into, f64::from),
+            Self::I32(reader, f64_of) => cells(reader, rows, levels, into, *f64_of),
+            Self::I64(reader, f64_of) => cells(reader, rows, levels, into, *f64_of),
         }
-        true
     }
-    match array.data_type() {
-        DataType::Float64 => copy::<Float64Type>(array, into, |value| value),
-        DataType::Float32 => copy::<Float32Type>(array, into, f64::from),
-        DataType::Int8 => copy::<Int8Type>(array, into, f64::from),
-        DataType::Int16 => copy::<Int16Type>(array, into, f64::from),
-        DataType::Int32 => copy::<Int32Type>(array, into, f64::from),
-        DataType::Int64 => copy::<Int64Type>(array, into, |value| value as f64),
-        DataType::UInt8 => copy::<UInt8Type>(array, into, f64::from),
-        DataType::UInt16 => copy::<UInt16Type>(array, into, f64::from),
-        DataType::UInt32 => copy::<UInt32Type>(array, into, f64::from),
-        DataType::UInt64 => copy::<UInt64Type>(array, into, |value| value as f64),
-        _ => false,
+}
+
+fn cells<T: DataType>(
+    reader: &mut ColumnReaderImpl<T>,
+    rows: usize,
+    levels: &mut Vec<i16>,
+    into: &mut Vec<f64>,
+    f64_of: impl Fn(T::T) -> f64,
+) -> errors::Result<()> {
+    levels.clear();
+    let mut values = Vec::with_capacity(rows);
+    reader.read_records(rows, Some(levels), None, &mut values)?;
+    let mut values = values.into_iter().map(f64_of);
+    if levels.is_empty() {
+        // no cell of this column may be empty
+        into.extend(values);
+    } else {
+        let cell = |level: &i16| if *level > 0 { values.next() } else { None };
+        into.extend(levels.iter().map(cell).map(|value| value.unwrap_or(f64::NAN)));
     }
+    Ok(())
 }
