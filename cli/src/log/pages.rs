@@ -92,8 +92,11 @@ impl Thrift<'_> {
         depth: u32,
         field: &mut dyn FnMut(&mut Self, i64, u8) -> Option<()>,
     ) -> Option<()> {
+        if depth >= DEEPEST {
+            return None;
+        }
         let mut id = 0_i64;
-        while depth < DEEPEST {
+        loop {
             let head = self.byte()?;
             let kind = head & 0xf;
             if kind == 0 {
@@ -105,7 +108,6 @@ impl Thrift<'_> {
             };
             field(self, id, kind)?;
         }
-        None
     }
 
     fn skip(&mut self, kind: u8, depth: u32) -> Option<()> {
