@@ -219,7 +219,7 @@ mod tests {
             ("'<f8'", "(3,)", "fill"),
             ("'<f8'", "(-3,)", "damaged"),
             ("'<f8'", "(18446744073709551615, 9)", "damaged"),
-            ("'f8", "(3,)", "damaged"),
+            ("f8", "(3,)", "damaged"),
         ] {
             let refused = read(&of(kind, "False", shape), &two).expect_err(kind);
             assert!(refused.contains(problem), "{kind} {shape}: {refused}");
