@@ -16,7 +16,7 @@ use crate::table::{self, Cells, TableWriter};
 use crate::{say, scenario};
 
 /// Rows per piece of the written table.
-const ROWS: usize = 65_536;
+const ROWS: usize = 32_768;
 
 /// What its help ends with.
 const EXAMPLES: &str = "\
