@@ -119,6 +119,7 @@ pub fn of_parameters(si: &str) -> Units {
 /// # Errors
 /// When it is none of the units.
 pub fn scale(units: Units, unit: &str) -> Result<f64, String> {
+    let unit = &plain(unit);
     let names = || units.iter().map(|(name, _)| *name);
     names().zip(units).find(|(name, _)| *name == unit).map(|(_, (_, size))| *size).ok_or_else(|| {
         let all = names().collect::<Vec<_>>().join(", ");
@@ -129,6 +130,11 @@ pub fn scale(units: Units, unit: &str) -> Result<f64, String> {
     })
 }
 
+/// A unit as the tables write it: both letters that stand for micro are `u`.
+fn plain(unit: &str) -> String {
+    unit.replace(['µ', 'μ'], "u")
+}
+
 /// Reads `NUMBER UNIT`; says what is accepted otherwise.
 pub(crate) fn read(text: &str, units: Units) -> Result<f64, String> {
     let (number, unit) = split(text);
@@ -136,7 +142,8 @@ pub(crate) fn read(text: &str, units: Units) -> Result<f64, String> {
         let names = units.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
         return Err(format!("a number, a space and its unit in quotes; units: {names}"));
     };
-    match units.iter().find(|(name, _)| *name == unit) {
+    let unit = &plain(unit);
+    match units.iter().find(|(name, _)| name == unit) {
         Some((_, size)) => Ok(value * size),
         None => {
             Err(format!("one of the units {}", suggest::accepted(unit, units.iter().map(|(name, _)| *name))))
@@ -184,6 +191,7 @@ mod tests {
         let of = |name: &str, unit: &str| {
             sinscal::effect(name).and_then(|effect| scale(of_parameters(effect.unit()), unit).ok())
         };
+        assert_eq!(read("5 µg", FORCE), read("5 ug", FORCE));
         assert!(of("accel-bias", "ug").is_some_and(|k| (k - 9.80665e-6).abs() < 1e-18));
         assert_eq!(of("gyro-bias", "deg/h"), Some(std::f64::consts::PI / 180.0 / 3600.0));
         assert_eq!(of("outer-lever-arm", "mm"), Some(1e-3));

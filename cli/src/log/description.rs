@@ -301,21 +301,18 @@ fn read_priors(doc: &mut Document<'_>, section: Section<'_>) -> Vec<(&'static st
             }
         };
         let scale = match table.get("unit").map(|unit| (unit.span(), unit.get_ref())) {
-            // a micro sign is as good as a u
-            Some((span, DeValue::String(unit))) => {
-                match units::scale(accepted, &unit.replace(['µ', 'μ'], "u")) {
-                    Ok(scale) => Some(scale),
-                    Err(help) => {
-                        doc.refuse(
-                            span,
-                            &unit_field,
-                            &format!("`{unit}` is not a unit of this effect"),
-                            Some(help),
-                        );
-                        None
-                    }
+            Some((span, DeValue::String(unit))) => match units::scale(accepted, unit) {
+                Ok(scale) => Some(scale),
+                Err(help) => {
+                    doc.refuse(
+                        span,
+                        &unit_field,
+                        &format!("`{unit}` is not a unit of this effect"),
+                        Some(help),
+                    );
+                    None
                 }
-            }
+            },
             Some((span, other)) => {
                 let problem = format!("is {}, the name of a unit was expected", fields::kind(other));
                 doc.refuse(span, &unit_field, &problem, Some(names()));

@@ -89,7 +89,8 @@ impl ParquetSource {
             let into = batch.column_mut(column.slot);
             numbers.read(rows, &mut levels, into).map_err(|error| error.to_string())?;
             if into.len() != rows {
-                return Err("a column ends before the others".into());
+                let held = self.position + into.len() as u64;
+                return Err(format!("it holds {held} rows, {} were announced", self.rows));
             }
         }
         self.left -= rows;
