@@ -10,8 +10,8 @@ use crate::error::SceneError;
 use crate::log::Log;
 use crate::recording::{CORE, Column, Recorder, Recording};
 
-/// Estimates that still move by more than this many standard deviations call for another pass. What is left of a move is second
-/// order in it: those that moved by 1 move by less than 0.1 if they are run again.
+/// Estimates that still move by more than this many standard deviations call for another pass. What a move leaves is second
+/// order in it.
 const SETTLED: f64 = 1.0;
 /// No more passes than this.
 const PASSES: usize = 5;

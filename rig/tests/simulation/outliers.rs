@@ -152,7 +152,7 @@ fn each_failure_moves_the_parameters_by_less_than_half_a_sigma() {
 /// onset of some of them for outliers (8 % of the readings here, and more the worse the model); once it knows what is usual for the
 /// filter, nothing is refused.
 ///
-/// No rule does better without knowing what comes: fifteen readings of a NIS of 1300 are a burst in the test above, all of which must
+/// We know no rule that does better without knowing what comes: fifteen readings of a NIS of 1300 are a burst in the test above, all of which must
 /// be refused, and they are what a filter sees after a turn whose effect it lacks. The program says so where a single pass was asked
 /// for.
 #[test]
