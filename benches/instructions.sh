@@ -4,7 +4,7 @@
 # no AVX-512: it counts what a processor with AVX2 runs in a default build.
 #
 #   bash benches/instructions.sh            the three, with their bounds
-#   bash benches/instructions.sh growth     cycles of 15 to 90 states, 9 leading ones, 6 measurements
+#   bash benches/instructions.sh growth     cycles of 15 to 90 states, 9 leading ones, and of 1 to 9 measurements
 set -euo pipefail
 cd "$(dirname "$0")/counted"
 
@@ -32,8 +32,9 @@ each() {
 }
 
 if [[ ${1:-} == growth ]]; then
-    for states in 15 21 30 36 43 60 90; do
-        printf '%d states: %6d conventional, %6d ud\n' "$states" "$(each conventional:$states 10 110)" "$(each ud:$states 10 110)"
+    for size in 15:6 21:6 30:6 36:6 43:6 60:6 90:6 43:1 43:3 43:9; do
+        printf '%d states, %d measurements: %6d conventional, %6d ud\n' "${size%:*}" "${size#*:}" \
+            "$(each conventional:$size 10 110)" "$(each ud:$size 10 110)"
     done
     exit 0
 fi

@@ -24,7 +24,7 @@ frames=$(
 )
 echo "$frames"
 
-# the largest frame of a name
+# the largest frame of a name; propagation is the same code, under one of their names, for any number of measurements
 largest() {
     awk -v name="$1" '$0 ~ name && $1 > most { most = $1 } END { print most + 0 }' <<< "$frames"
 }
@@ -38,9 +38,9 @@ while IFS='|' read -r what kernel caller; do
         status=1
     fi
 done << 'END'
-conventional, propagation|conventional::Conventional as .*::propagate<.*Dim<43, 9, 6>|Kalman<.*>>::predict$
+conventional, propagation|conventional::Conventional as .*::propagate<.*Dim<43, 9, .>|Kalman<.*>>::predict$
 conventional, update|conventional::Conventional as .*::update<.*Dim<43, 9, 6>|Kalman<.*>>::update$
-UD, propagation|ud::Ud as .*::propagate<.*Dim<43, 9, 6>|Kalman<.*>>::predict$
+UD, propagation|ud::Ud as .*::propagate<.*Dim<43, 9, .>|Kalman<.*>>::predict$
 UD, update|ud::Ud as .*::update<.*Dim<43, 9, 6>|Kalman<.*>>::update$
 step of [Phi Psi]|Transition<.*>>::advance::|Transition<.*>>::advance$
 END

@@ -2,11 +2,31 @@
 
 use calib_core::{Form, Shape};
 
+/// What is done with one number of states after another, 9 of them leading, and of measurements.
+pub(crate) trait Size {
+    fn of<const N: usize, const M: usize>(&mut self);
+}
+
+/// Growing states with six measurements, then growing measurements with 43 states.
+pub(crate) fn sizes(size: &mut impl Size) {
+    size.of::<15, 6>();
+    size.of::<21, 6>();
+    size.of::<30, 6>();
+    size.of::<36, 6>();
+    size.of::<43, 6>();
+    size.of::<60, 6>();
+    size.of::<90, 6>();
+    size.of::<43, 1>();
+    size.of::<43, 3>();
+    size.of::<43, 9>();
+}
+
 /// One interval and its measurement.
 pub(crate) struct Wave<S: Shape> {
-    rows: S::CoreRows<f64>,
-    noise: S::CoreMatrix<f64>,
-    h: S::MeasurementRows<f64>,
+    pub(crate) rows: S::CoreRows<f64>,
+    pub(crate) noise: S::CoreMatrix<f64>,
+    pub(crate) h: S::MeasurementRows<f64>,
+    pub(crate) r: S::Measurement<f64>,
 }
 
 impl<S: Shape> Wave<S> {
@@ -25,7 +45,7 @@ impl<S: Shape> Wave<S> {
                 h[m][j] = wave(m, j);
             }
         }
-        Self { rows, noise, h }
+        Self { rows, noise, h, r: S::measurement(0.5) }
     }
 
     /// A covariance in which the leading states are correlated.
@@ -38,7 +58,7 @@ impl<S: Shape> Wave<S> {
 
     pub(crate) fn cycle<C: Form>(&self, cov: &mut S::Matrix<f64>, x: &mut S::Vector<f64>) -> f64 {
         C::propagate::<S, f64>(cov, &self.rows, &self.noise);
-        let (r, z) = (S::measurement(0.5), S::measurement(0.1));
-        C::update::<S, f64>(cov, x, &self.h, &r, &z).map_or(f64::NAN, |whitened| whitened.nis)
+        C::update::<S, f64>(cov, x, &self.h, &self.r, &S::measurement(0.1))
+            .map_or(f64::NAN, |whitened| whitened.nis)
     }
 }

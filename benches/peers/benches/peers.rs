@@ -1,16 +1,18 @@
-//! The cycle of `benches/cycle.rs` with other filters from crates.io, each fed the same dense matrices.
+//! The cycle of `benches/cycle.rs`, all that is timed there, and with other filters from crates.io, each fed the same dense
+//! matrices.
 //!
 //! Each is checked to give the same covariance before it is timed.
 
-#[path = "../../case/mod.rs"]
-mod case;
+#[path = "../../cycle.rs"]
+mod cycle;
 
-use std::hint::black_box;
-
-use adskalman::{CovarianceUpdateMethod, ObservationModel, StateAndCovariance, TransitionModelLinearNoControl};
+use adskalman::{
+    CovarianceUpdateMethod, ObservationModel, StateAndCovariance, TransitionModelLinearNoControl,
+};
 use calib_core::Conventional;
-use case::{Case, N, case, check, cycle};
-use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use cycle::bench::Bench;
+use cycle::case::{Case, N, case, check};
+use cycle::{CYCLES, all};
 use kfilter::{KalmanFilter, KalmanPredict};
 use minikalman::prelude::*;
 use minikalman::regular::builder::KalmanFilterBuilder;
@@ -64,98 +66,92 @@ impl ObservationModel<f64, U43, U6> for Adskalman {
     }
 }
 
-fn peers(c: &mut Criterion) {
-    let case = case();
-    let mut want = case.p;
-    cycle::<Conventional>(&case, &mut want);
-    let mut group = c.benchmark_group("peers-43");
-    group.sample_size(20);
-    group.bench_function("sinscal", |b| {
-        b.iter_batched_ref(|| case.p, |p| black_box(cycle::<Conventional>(&case, p)), BatchSize::SmallInput);
-    });
-
+fn adskalman(bench: &mut Bench, case: &Case, want: &[[f64; N]; N]) {
     let model = Adskalman {
-        f: SMatrix::from_fn(|i, j| f(&case, i, j)),
-        ft: SMatrix::from_fn(|i, j| f(&case, j, i)),
-        q: SMatrix::from_fn(|i, j| q(&case, i, j)),
+        f: SMatrix::from_fn(|i, j| f(case, i, j)),
+        ft: SMatrix::from_fn(|i, j| f(case, j, i)),
+        q: SMatrix::from_fn(|i, j| q(case, i, j)),
         h: SMatrix::from_fn(|i, j| case.h[i][j]),
         ht: SMatrix::from_fn(|i, j| case.h[j][i]),
-        r: SMatrix::from_fn(|i, j| r(&case, i, j)),
+        r: SMatrix::from_fn(|i, j| r(case, i, j)),
     };
-    let start = StateAndCovariance::new(SVector::zeros(), SMatrix::from_fn(|i, j| case.p[i][j]));
     let z = SVector::<f64, 6>::from(case.z);
-    let run = || {
-        let prior = model.predict(black_box(&start));
-        model.update(&prior, &z, CovarianceUpdateMethod::OptimalKalman).expect("positive definite")
+    let start = || StateAndCovariance::new(SVector::zeros(), SMatrix::from_fn(|i, j| case.p[i][j]));
+    let run = |at: &mut StateAndCovariance<f64, U43>| {
+        let prior = model.predict(at);
+        *at = model.update(&prior, &z, CovarianceUpdateMethod::OptimalKalman).expect("positive definite");
     };
-    let found = run();
-    check("adskalman", |i, j| found.covariance()[(i, j)], &want);
-    group.bench_function("adskalman", |b| b.iter(|| black_box(run())));
+    let mut found = start();
+    run(&mut found);
+    check("adskalman", |i, j| found.covariance()[(i, j)], want);
+    bench.run("adskalman", CYCLES, start, run);
+}
 
-    let start = {
-        use nalgebra_034::SMatrix;
-        let mut filter = kfilter::Kalman1MLinearNoInput::<f64, N, 6>::new(
-            SMatrix::from_fn(|i, j| f(&case, i, j)),
-            SMatrix::from_fn(|i, j| q(&case, i, j)),
+fn kfilter(bench: &mut Bench, case: &Case, want: &[[f64; N]; N]) {
+    use nalgebra_034::{SMatrix, SVector};
+    type Filter = kfilter::Kalman1MLinearNoInput<f64, N, 6>;
+    let z = SVector::<f64, 6>::from(case.z);
+    let start = || {
+        let mut filter = Filter::new(
+            SMatrix::from_fn(|i, j| f(case, i, j)),
+            SMatrix::from_fn(|i, j| q(case, i, j)),
             SMatrix::from_fn(|i, j| case.h[i][j]),
-            SMatrix::from_fn(|i, j| r(&case, i, j)),
+            SMatrix::from_fn(|i, j| r(case, i, j)),
             SMatrix::zeros(),
         );
         *filter.covariance_mut() = SMatrix::from_fn(|i, j| case.p[i][j]);
         filter
     };
-    let z = nalgebra_034::SVector::<f64, 6>::from(case.z);
-    let fresh = *start.covariance();
-    let mut filter = start;
-    let mut run = || {
-        *filter.covariance_mut() = fresh;
+    let run = |filter: &mut Filter| {
         filter.predict().expect("linear");
         filter.update(z).expect("positive definite");
-        *filter.covariance()
     };
-    let found = run();
-    check("kfilter", |i, j| found[(i, j)], &want);
-    group.bench_function("kfilter", |b| b.iter(|| black_box(run())));
+    let mut found = start();
+    run(&mut found);
+    check("kfilter", |i, j| found.covariance()[(i, j)], want);
+    bench.run("kfilter", CYCLES, start, run);
+}
 
+fn minikalman(bench: &mut Bench, case: &Case, want: &[[f64; N]; N]) {
     let builder = KalmanFilterBuilder::<N, f64>::default();
-    let mut filter = builder.build();
-    let mut measurement = builder.observations().build::<6>();
-    for i in 0..N {
-        for j in 0..N {
-            filter.state_transition_mut().set_at(i, j, f(&case, i, j));
-            filter.direct_process_noise_mut().set_at(i, j, q(&case, i, j));
-        }
-    }
-    for i in 0..6 {
-        for j in 0..N {
-            measurement.observation_matrix_mut().set_at(i, j, case.h[i][j]);
-        }
-        for j in 0..6 {
-            measurement.measurement_noise_covariance_mut().set_at(i, j, r(&case, i, j));
-        }
-        measurement.measurement_vector_mut().set_at(i, 0, case.z[i]);
-    }
-    let mut run = || {
+    let start = || {
+        let (mut filter, mut measurement) = (builder.build(), builder.observations().build::<6>());
         for i in 0..N {
             for j in 0..N {
+                filter.state_transition_mut().set_at(i, j, f(case, i, j));
+                filter.direct_process_noise_mut().set_at(i, j, q(case, i, j));
                 filter.estimate_covariance_mut().set_at(i, j, case.p[i][j]);
             }
         }
-        filter.predict();
-        filter.correct(&mut measurement);
-        let mut p = [[0.0; N]; N];
-        for i in 0..N {
+        for i in 0..6 {
             for j in 0..N {
-                p[i][j] = filter.estimate_covariance().get_at(i, j);
+                measurement.observation_matrix_mut().set_at(i, j, case.h[i][j]);
             }
+            for j in 0..6 {
+                measurement.measurement_noise_covariance_mut().set_at(i, j, r(case, i, j));
+            }
+            measurement.measurement_vector_mut().set_at(i, 0, case.z[i]);
         }
-        p
+        (filter, measurement)
     };
-    let found = run();
-    check("minikalman", |i, j| found[i][j], &want);
-    group.bench_function("minikalman", |b| b.iter(|| black_box(run())));
-    group.finish();
+    let mut found = start();
+    found.0.predict();
+    found.0.correct(&mut found.1);
+    check("minikalman", |i, j| found.0.estimate_covariance().get_at(i, j), want);
+    bench.run("minikalman", CYCLES, start, |(filter, measurement)| {
+        filter.predict();
+        filter.correct(measurement);
+    });
 }
 
-criterion_group!(benches, peers);
-criterion_main!(benches);
+fn main() {
+    let mut bench = Bench::from_arguments();
+    all(&mut bench);
+    let case = case();
+    let mut want = case.p;
+    cycle::case::cycle::<Conventional>(&case, &mut want);
+    adskalman(&mut bench, &case, &want);
+    kfilter(&mut bench, &case, &want);
+    minikalman(&mut bench, &case, &want);
+    bench.finish();
+}
