@@ -1,6 +1,8 @@
-//! How a campaign scales: the same units on one thread and on two, each a unit simulated at 25 Hz and calibrated with 36d-p.
+//! How a campaign scales: the same units on one thread and on two, each a unit simulated at 25 Hz and calibrated
+//! with 36d-p.
 //!
-//! `cargo bench --bench campaign`; `-- --least` prints the least of some rounds, in which both take turns, and their ratio.
+//! `cargo bench --bench campaign`; `-- --least` prints the least of some rounds, in which both take turns, and
+//! their ratio.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};

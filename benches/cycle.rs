@@ -1,10 +1,10 @@
-//! One 43-state cycle: propagate with Phi and Psi over an interval, six-measurement update, full covariance. And what is
-//! assembled for it, and a sample of navigation.
+//! One 43-state cycle: propagate with Phi and Psi over an interval, six-measurement update, full covariance. And
+//! what is assembled for it, and a sample of navigation.
 //!
-//! `cargo bench --bench cycle`; `cargo bench --bench cycle -- --least` prints the least of many short repetitions instead of
-//! statistics, which a busy machine disturbs little. Each timing runs ten cycles in a row on the same covariance, as a filter
-//! does. Every peer is checked to give the same covariance before it is timed. Other crates stand in `benches/peers`, which runs
-//! all of this too.
+//! `cargo bench --bench cycle`; `cargo bench --bench cycle -- --least` prints the least of many short repetitions
+//! instead of statistics, which a busy machine disturbs little. Each timing runs ten cycles in a row on the same
+//! covariance, as a filter does. Every peer is checked to give the same covariance before it is timed. Other
+//! crates stand in `benches/peers`, which runs all of this too.
 
 #[path = "case/bench.rs"]
 pub(crate) mod bench;

@@ -1,4 +1,5 @@
-//! How a cycle grows with states and with measurements, in both forms and, with six measurements, by hand in nalgebra.
+//! How a cycle grows with states and with measurements, in both forms and, with six measurements, by hand in
+//! nalgebra.
 //!
 //! `cargo bench --bench growth`; `-- --least` prints the least of many short repetitions instead of statistics.
 

@@ -1,5 +1,5 @@
-//! Whole jobs on one log in memory, the default path at 25 Hz: simulating it, a pass over it with each of the filters, pricing every
-//! effect on it.
+//! Whole jobs on one log in memory, the default path at 25 Hz: simulating it, a pass over it with each of the
+//! filters, pricing every effect on it.
 //!
 //! `cargo bench --bench whole`; `-- --least` prints the least of some repetitions instead of statistics.
 

@@ -22,7 +22,8 @@ impl Bench {
         Self { criterion: (!least).then(|| Criterion::default().configure_from_args().sample_size(20)) }
     }
 
-    /// What one call of `routine` takes: so many of them in a row on what `start` makes, again and again. Only the calls count.
+    /// What one call of `routine` takes: so many of them in a row on what `start` makes, again and again. Only the
+    /// calls count.
     pub(crate) fn run<P, R>(
         &mut self,
         name: &str,

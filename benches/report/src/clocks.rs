@@ -15,7 +15,8 @@ const CYCLES: u32 = 1_000_000;
 /// Parts that take less of a cycle are not told apart.
 const LEAST: f64 = 0.01;
 
-/// The module and item of `calib-core` that a function's name begins with: what is generic has its parameters after it.
+/// The module and item of `calib-core` that a function's name begins with: what is generic has its parameters
+/// after it.
 fn item(function: &str) -> Option<(&str, &str)> {
     let path = function.trim_start_matches('<').strip_prefix("calib_core::")?;
     let (module, rest) = path.split_once("::")?;
@@ -23,8 +24,8 @@ fn item(function: &str) -> Option<(&str, &str)> {
     Some((module, &rest[..end]))
 }
 
-/// Which part of a cycle an address belongs to, by the functions that were inlined around it, the innermost first: the kernel, and
-/// the innermost function in it that is not one of the tools all kernels use.
+/// Which part of a cycle an address belongs to, by the functions that were inlined around it, the innermost first:
+/// the kernel, and the innermost function in it that is not one of the tools all kernels use.
 fn part<'a>(functions: impl DoubleEndedIterator<Item = &'a str>) -> String {
     let tools = ["tile", "machine"];
     let mut items = functions.filter_map(item).filter(|(module, _)| !tools.contains(module));

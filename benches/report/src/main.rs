@@ -1,8 +1,8 @@
 //! Measures what docs/PERFORMANCE.md tells, and writes its tables and plots anew.
 //!
-//! `cargo run --manifest-path benches/report/Cargo.toml` runs all parts, about a quarter of an hour on an idle machine;
-//! `... -- cycle log` runs these two. A part fills what stands between the comments with its name in the text, and is left as it is where
-//! a tool is missing or a command fails.
+//! `cargo run --manifest-path benches/report/Cargo.toml` runs all parts, about a quarter of an hour on an idle
+//! machine; `... -- cycle log` runs these two. A part fills what stands between the comments with its name in the
+//! text, and is left as it is where a tool is missing or a command fails.
 
 mod clocks;
 mod parts;
