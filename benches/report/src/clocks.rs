@@ -14,6 +14,7 @@ use crate::run::{Error, Place, output, require, table};
 const CYCLES: u32 = 1_000_000;
 /// Parts that take less of a cycle are not told apart.
 const LEAST: f64 = 0.01;
+const OTHERS: &str = "others";
 
 /// The module and item of `calib-core` that a function's name begins with: what is generic has its parameters
 /// after it.
@@ -24,17 +25,28 @@ fn item(function: &str) -> Option<(&str, &str)> {
     Some((module, &rest[..end]))
 }
 
-/// Which part of a cycle an address belongs to, by the functions that were inlined around it, the innermost first:
-/// the kernel, and the innermost function in it that is not one of the tools all kernels use.
-fn part<'a>(functions: impl DoubleEndedIterator<Item = &'a str>) -> String {
+/// What kernels call in the system's library, by what its names contain there.
+const CALLED: [(&str, &str); 4] = [
+    ("memset", "zeros (memset)"),
+    ("memmove", "copies (memcpy)"),
+    ("memcpy", "copies (memcpy)"),
+    ("log", "logarithms (ln)"),
+];
+
+/// Which part of a cycle a sample belongs to, by its symbol and by the functions that were inlined around it, the innermost
+/// first: the kernel, and the innermost function in it that is not one of the tools all kernels use.
+fn part<'a>(symbol: &str, functions: impl DoubleEndedIterator<Item = &'a str>) -> String {
     let tools = ["tile", "machine"];
     let mut items = functions.filter_map(item).filter(|(module, _)| !tools.contains(module));
     let innermost = items.next();
     let kernel = items.rfind(|(_, name)| ["propagate", "update"].contains(name));
     match (kernel, innermost) {
-        (Some((_, kernel)), Some((_, name))) => format!("{kernel}: {name}"),
-        (None, Some((_, name))) => format!("{name} itself"),
-        (_, None) => "copies and zeros (memcpy, memset)".to_owned(),
+        (Some((_, kernel)), Some((_, name))) if kernel != name => format!("{kernel}: {name}"),
+        (_, Some((_, name))) => format!("{name} itself"),
+        (_, None) => {
+            let called = CALLED.iter().find(|(name, _)| symbol.contains(name));
+            called.map_or(OTHERS, |(_, name)| name).to_owned()
+        }
     }
 }
 
@@ -66,31 +78,35 @@ fn functions(program: &Path, addresses: &[&str]) -> Result<Vec<Vec<String>>, Err
 
 /// Shares of the parts of a cycle, and how long it takes, us.
 fn shares(place: &Place, program: &Path, form: &str) -> Result<(Vec<(String, f64)>, f64), Error> {
-    let cycles = CYCLES.to_string();
     let mut time = f64::INFINITY;
-    for _ in 0..3 {
+    let few = CYCLES / 10;
+    for _ in 0..20 {
         let begin = Instant::now();
-        output(place.command(program).args([form, &cycles]))?;
-        time = time.min(begin.elapsed().as_secs_f64() * 1e6 / f64::from(CYCLES));
+        output(place.command(program).args([form, &few.to_string()]))?;
+        time = time.min(begin.elapsed().as_secs_f64() * 1e6 / f64::from(few));
     }
     let data = place.target("clocks/perf.data");
     let mut record = place.command("perf");
     record.args(["record", "--quiet", "--event", "cpu-clock", "--freq", "4000", "--output"]).arg(&data);
-    output(record.arg(program).args([form, &cycles]))?;
-    let text = output(place.command("perf").args(["script", "--fields", "ip", "--input"]).arg(&data))?;
-    let mut counts: BTreeMap<&str, f64> = BTreeMap::new();
-    for address in text.lines().map(str::trim) {
-        *counts.entry(address).or_default() += 1.0;
+    output(record.arg(program).args([form, &CYCLES.to_string()]))?;
+    let text = output(place.command("perf").args(["script", "--fields", "ip,sym", "--input"]).arg(&data))?;
+    // address and symbol of each sample
+    let mut counts: BTreeMap<(&str, &str), f64> = BTreeMap::new();
+    for sample in text.lines().filter_map(|line| line.trim().split_once(' ')) {
+        *counts.entry(sample).or_default() += 1.0;
     }
-    let addresses: Vec<&str> = counts.keys().copied().collect();
+    let addresses: Vec<&str> = counts.keys().map(|(address, _)| *address).collect();
     let all: f64 = counts.values().sum();
     let mut shares: BTreeMap<String, f64> = BTreeMap::new();
-    for (functions, count) in functions(program, &addresses)?.iter().zip(counts.values()) {
-        *shares.entry(part(functions.iter().map(String::as_str))).or_default() += count / all;
+    for (functions, ((_, symbol), count)) in functions(program, &addresses)?.iter().zip(&counts) {
+        *shares.entry(part(symbol, functions.iter().map(String::as_str))).or_default() += count / all;
     }
-    let (mut shares, rest): (Vec<_>, Vec<_>) = shares.into_iter().partition(|(_, share)| *share >= LEAST);
+    let small = |name: &str, share: f64| name == OTHERS || share < LEAST;
+    let rest = shares.iter().filter(|(name, share)| small(name, **share)).map(|(_, share)| share).sum();
+    shares.retain(|name, share| !small(name, *share));
+    let mut shares: Vec<_> = shares.into_iter().collect();
     shares.sort_by(|a, b| b.1.total_cmp(&a.1));
-    shares.push(("others".to_owned(), rest.iter().map(|(_, share)| share).sum()));
+    shares.push((OTHERS.to_owned(), rest));
     Ok((shares, time))
 }
 
