@@ -3,7 +3,7 @@
 //! The names of the first five count their states and say whether the dither coupling is in ("B") or not ("P"), as in
 //! table 3 of Xing, Yang and Cai, *Sensors* 22(1):278, 2022 (DOI 10.3390/s22010278).
 
-use calib_core::{Filter, StateInfo};
+use calib_core::{BlockSet, Filter, StateInfo};
 use state_macro::StateBlocks;
 
 use crate::Strapdown;
@@ -134,18 +134,26 @@ pub struct FilterInfo {
     /// until the first turn a tilt of 0.03 deg is taken for accelerometer biases, and acts to second order. The second
     /// removes it. Errors of 1e-2, those of a MEMS unit, take a third.
     pub passes: u32,
+    blocks: BlockSet,
     measures: &'static [usize],
     describe: fn(&mut dyn FnMut(StateInfo)),
 }
 
 impl FilterInfo {
     const fn of<F: Filter<Dynamics = Strapdown>>(passes: u32, about: &'static str) -> Self {
-        Self { name: F::NAME, states: F::DIM, about, passes, measures: F::MEASURES, describe: F::states }
+        let (blocks, measures) = (F::SET, F::MEASURES);
+        Self { name: F::NAME, states: F::DIM, about, passes, blocks, measures, describe: F::states }
     }
 
     /// Describes the states in order.
     pub fn describe(&self, visit: &mut dyn FnMut(StateInfo)) {
         (self.describe)(visit);
+    }
+
+    /// Whether the filter takes the size effect of the dither from the places of the accelerometers: it then needs a log that
+    /// tells the dither.
+    pub fn needs_dither(&self) -> bool {
+        self.blocks.contains(set::DITHER)
     }
 
     /// Names of the measurements, in order.

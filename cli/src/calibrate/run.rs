@@ -42,6 +42,8 @@ pub(super) struct Outcome {
     pub(super) position: Vector3<f64>,
     pub(super) velocity: Vector3<f64>,
     pub(super) bridged: Bridged,
+    /// Whether the log tells any dither.
+    pub(super) dithers: bool,
     /// What the last pass left out of the reference.
     pub(super) refused: Vec<Stretch>,
     /// The smoothed navigation solution at each update, if it was asked for.
@@ -84,6 +86,7 @@ impl Run<'_> {
         let mut history = History::new(estimates(&calibration, coarse).len());
         let mut samples = 0_u64;
         let mut times = (0.0, 0.0);
+        let mut dithers = false;
         let mut bridged = Bridged::default();
         let trouble = |error| miette!("the temporary file of the smoother: {error}");
         let mut observer = (Refusals::default(), (None, None));
@@ -109,6 +112,7 @@ impl Run<'_> {
                     }
                     times.1 = sample.time;
                     samples += 1;
+                    dithers |= sample.dither.iter().any(|amplitude| *amplitude > 0.0);
                     let update = calibration.step_observed(sample, &mut observer);
                     let table = self.log.table().display();
                     let update = update.map_err(|error| miette!(help = DIVERGED, "{table}: {error}"))?;
@@ -145,6 +149,7 @@ impl Run<'_> {
             position: calibration.position(),
             velocity: calibration.navigation().velocity,
             bridged,
+            dithers,
             refused: refusals.stretches,
             smoothed,
             residuals: innovations.map(Innovations::finish),

@@ -58,6 +58,8 @@ fn fault(field: impl Into<String>, problem: impl Into<String>, help: impl Into<S
 /// The calibration in a document, and the document.
 pub(super) fn parse(bytes: &[u8]) -> Result<(Calibrated, Value), Fault> {
     let whole = |problem: String| Fault { field: None, problem, help: String::new() };
+    // the mark that some editors begin a file with
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let document: Value =
         serde_json::from_slice(bytes).map_err(|error| whole(format!("is not valid JSON: {error}")))?;
     if !document.is_object() {

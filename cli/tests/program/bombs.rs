@@ -2,7 +2,7 @@
 //! with a message: never by the system, never by an allocation that fails.
 
 use std::fs::{self, File};
-use std::io::Write as _;
+use std::io::{Read as _, Write as _};
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
@@ -84,13 +84,29 @@ fn parquet(path: &Path, pages: &[u8], codec: Compression, rows: i64, length: i64
     Ok(fs::write(path, bytes)?)
 }
 
+/// What a NumPy array of the seven columns of PSINS begins with.
+fn npy_header(rows: u64) -> Vec<u8> {
+    let dictionary = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows}, 7), }}");
+    [b"\x93NUMPY\x01\0\x76\0", format!("{dictionary:<117}\n").as_bytes()].concat()
+}
+
 /// A NumPy array of the seven columns of PSINS, and so many bytes of zeros that take no place on the disk.
 fn npy(path: &Path, rows: u64, bytes: u64) -> Done {
-    let dictionary = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows}, 7), }}");
     let mut file = File::create(path)?;
-    file.write_all(b"\x93NUMPY\x01\0\x76\0")?;
-    file.write_all(format!("{dictionary:<117}\n").as_bytes())?;
+    file.write_all(&npy_header(rows))?;
     Ok(file.set_len(128 + bytes)?)
+}
+
+/// An archive of such an array, so many bytes of which are packed to a thousandth of that.
+fn npz(path: &Path, rows: u64, bytes: u64) -> Done {
+    let mut archive = zip::ZipWriter::new(File::create(path)?);
+    let packed =
+        zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Deflated);
+    archive.start_file("imu.npy", packed)?;
+    archive.write_all(&npy_header(rows))?;
+    std::io::copy(&mut std::io::repeat(0).take(bytes), &mut archive)?;
+    archive.finish()?;
+    Ok(())
 }
 
 /// A MATLAB array called imu, of seven columns and as many rows as its header can say.
@@ -157,7 +173,7 @@ fn what_announces_more_than_there_is_room_for_is_refused() -> Done {
             ("log.parquet", Box::new(move |path| parquet(path, &pages, codec, rows, length)))
         };
     let plain = Compression::UNCOMPRESSED;
-    let cases: [((&str, Make), &[&str]); 9] = [
+    let cases: [((&str, Make), &[&str]); 10] = [
         (
             chunk(swollen, Compression::SNAPPY, 10, None),
             &["log.parquet, column `time_s`", "unpacks to 2047 MiB, and up to 32 MiB are read"],
@@ -182,6 +198,10 @@ fn what_announces_more_than_there_is_room_for_is_refused() -> Done {
         (
             ("log.npy", Box::new(|path| npy(path, 30_000_000, 30_000_000 * 56))),
             &["log.npy, variable `array`: does not fit into the memory of this machine", "Parquet or CSV"],
+        ),
+        (
+            ("log.npz", Box::new(|path| npz(path, 30_000_000, 50_000_000))),
+            &["log.npz, variable `imu`: cannot be read", "damaged or cut off"],
         ),
         (("log.mat", Box::new(mat)), &["log.mat: holds 2147483647 rows", "up to 2 GiB"]),
         (("log.h5", Box::new(hdf5)), &["log.h5", "numbers, it says, more than there can be in the file"]),

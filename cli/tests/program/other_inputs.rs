@@ -212,6 +212,34 @@ fn harmless_spellings_are_read() -> Done {
     fs::write(folder.path().join("log.csv"), format!("\u{feff}{spelled}"))?;
     fs::write(folder.path().join("log.toml"), format!("\u{feff}{}", DESCRIPTION.replace('\n', "\r\n")))?;
     assert_eq!(before, estimates()?);
+    // and a calibration that an editor has begun with a byte order mark
+    assert!(
+        sinscal(folder.path(), &["calibrate", "log", "--filter", "36d-p", "--json", "c.json"])?
+            .status
+            .success()
+    );
+    let calibration = fs::read_to_string(folder.path().join("c.json"))?;
+    fs::write(folder.path().join("c.json"), format!("\u{feff}{calibration}"))?;
+    let navigate = sinscal(folder.path(), &["navigate", "log", "--calibration", "c.json"])?;
+    assert!(navigate.status.success(), "{}", String::from_utf8_lossy(&navigate.stderr));
+    Ok(())
+}
+
+/// A filter that reckons with the dither says so where a log tells none.
+#[test]
+fn a_log_without_dither_is_pointed_out() -> Done {
+    let folder = folder()?;
+    let warned = |filter: &str| -> Result<bool, Box<dyn std::error::Error>> {
+        let output = sinscal(folder.path(), &["calibrate", "log", "--filter", filter])?;
+        assert!(output.status.success());
+        Ok(String::from_utf8_lossy(&output.stderr)
+            .contains("reckons with the dither, and the log tells none"))
+    };
+    assert_eq!((warned("43d-b")?, warned("43d-p")?), (false, false));
+    let mut table = Table::at_rest(500);
+    table.drop("dither*");
+    table.write_csv(&folder.path().join("log.csv"))?;
+    assert_eq!((warned("43d-b")?, warned("43d-p")?), (true, false));
     Ok(())
 }
 
