@@ -1,6 +1,7 @@
 //! The non-trivial rows of a filter's transition matrix, accumulated over an interval.
 
 use crate::machine::{Machine, on_this_machine};
+use crate::tile::in_turn;
 use crate::{Array, Block, BlockSet, CoreRows, CoreVector, Dynamics, Filter, Real, Shape};
 
 /// Columns of `[Phi Psi]` that move together.
@@ -194,9 +195,14 @@ fn advance_columns<S: Shape, T: Real, M: Machine, const W: usize>(
                 sums[c] += before[c];
             }
         }
+        // nothing is added once more to what has moved
+        for c in 0..moved {
+            in_turn();
+            sums[c] = T::zero();
+        }
         if let Some(row) = rows[i].as_mut_slice()[first..].first_chunk_mut::<W>() {
             for c in 0..W {
-                row[c] = if c < moved { row[c] } else { row[c] + sums[c] };
+                row[c] += sums[c];
             }
         }
     }
