@@ -6,21 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use crate::support::{Done, Table};
+use crate::support::{Done, TURNS, Table};
 
-/// Turns about all axes in four minutes.
-const SHORT: &str = r#"
-[imu]
-rate = "10 Hz"
-[motion]
-path = "turns"
-still = "60 s"
-dwell = "20 s"
-turns = [
-  { axis = "x", angle = "90 deg" }, { axis = "y", angle = "90 deg" }, { axis = "z", angle = "90 deg" },
-  { axis = "x", angle = "180 deg" }, { axis = "y", angle = "180 deg" }, { axis = "z", angle = "180 deg" },
-]
-"#;
 /// What takes minutes is tested elsewhere.
 const LONG: [&str; 4] = ["demo", "campaign", "paper", "diagnose --self-test"];
 
@@ -318,7 +305,7 @@ fn mistakes() -> Vec<Mistake> {
 
 /// A simulated log of four minutes; `more` is added to its scenario.
 fn simulated(folder: &Path, name: &str, more: &str) -> Done {
-    fs::write(folder.join("short.toml"), format!("{SHORT}{more}"))?;
+    fs::write(folder.join("short.toml"), format!("{TURNS}{more}"))?;
     let output = run(folder, &["simulate", "--scenario", "short.toml", "--out", name])?;
     if output.status.success() { Ok(()) } else { Err(said(&output).into()) }
 }

@@ -3,6 +3,7 @@
 #[cfg(target_os = "linux")]
 mod bombs;
 mod broken_inputs;
+mod browser;
 mod coarse;
 mod commands;
 mod determinism;

@@ -8,21 +8,7 @@ use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
 
-type Done = Result<(), Box<dyn Error>>;
-
-/// A short path with what the filters need to run.
-const SCENARIO: &str = r#"
-[imu]
-rate = "10 Hz"
-[motion]
-path = "turns"
-still = "60 s"
-dwell = "20 s"
-turns = [
-  { axis = "x", angle = "90 deg" }, { axis = "y", angle = "90 deg" }, { axis = "z", angle = "90 deg" },
-  { axis = "x", angle = "180 deg" }, { axis = "y", angle = "180 deg" }, { axis = "z", angle = "180 deg" },
-]
-"#;
+use crate::support::{Done, TURNS};
 
 /// The browser, where there is one.
 fn chromium() -> Option<&'static str> {
@@ -141,7 +127,7 @@ fn reports_of_logs() -> Done {
     let Some(browser) = chromium() else { return Ok(()) };
     let folder = tempfile::tempdir()?;
     let at = |name: &str| folder.path().join(name).display().to_string();
-    fs::write(folder.path().join("scenario.toml"), SCENARIO)?;
+    fs::write(folder.path().join("scenario.toml"), TURNS)?;
     let (log, scenario) = (at("log"), at("scenario.toml"));
     let page = |name: &str| folder.path().join(name).join("report.html");
 
@@ -184,7 +170,7 @@ fn reports_of_many_units() -> Done {
     let Some(browser) = chromium() else { return Ok(()) };
     let folder = tempfile::tempdir()?;
     let at = |name: &str| folder.path().join(name).display().to_string();
-    fs::write(folder.path().join("scenario.toml"), SCENARIO)?;
+    fs::write(folder.path().join("scenario.toml"), TURNS)?;
     let scenario = at("scenario.toml");
     let page = |name: &str| folder.path().join(name).join("report.html");
     let short = ["--scenario", &scenario, "--units", "2", "--hours", "0.1"];
