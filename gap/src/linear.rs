@@ -62,6 +62,10 @@ pub(crate) struct Found {
     pub(crate) log_likelihood: f64,
     pub(crate) degrees_of_freedom: usize,
     pub(crate) gram: Vec<f64>,
+    /// Of each estimated column in the end: the negative of its estimate, and what a unit of each priced column adds to that.
+    pub(crate) errors: Vec<f64>,
+    /// And its variance, were nothing of what is priced there.
+    pub(crate) variances: Vec<f64>,
 }
 
 /// The whitened rows of one update: `rows` x (1 + priced).
@@ -279,7 +283,9 @@ pub(crate) fn run_free(
             gram[i * nc + j] = gram[j * nc + i];
         }
     }
-    Some(Found { log_likelihood, degrees_of_freedom, gram })
+    let errors = w.split_off(CORE * nc);
+    let variances = (CORE..n).map(|i| p[i * n + i]).collect();
+    Some(Found { log_likelihood, degrees_of_freedom, gram, errors, variances })
 }
 
 #[allow(clippy::too_many_arguments, reason = "one line of the loop, out of its way")]
