@@ -150,6 +150,27 @@ pub(crate) fn run_free(
     watch: &mut dyn FnMut(&Whitened),
     free: &mut FreeRun,
 ) -> Option<Found> {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = fearless_simd::Level::new().as_avx2() {
+        return fearless_simd::Simd::vectorize(
+            avx2,
+            #[inline(always)]
+            || filter::<true>(recording, estimated, priced, noise, watch, free),
+        );
+    }
+    filter::<false>(recording, estimated, priced, noise, watch, free)
+}
+
+/// [`run_free`], compiled once with fused products for the processor that has them and once without.
+#[inline(always)]
+fn filter<const FUSED: bool>(
+    recording: &Recording,
+    estimated: &[usize],
+    priced: &dyn Priced,
+    noise: &Noise,
+    watch: &mut dyn FnMut(&Whitened),
+    free: &mut FreeRun,
+) -> Option<Found> {
     let columns = &recording.columns;
     let np = columns.len();
     let width = CORE + np + 1;
@@ -211,10 +232,10 @@ pub(crate) fn run_free(
             gamma[i * nc] = -input;
         }
         free.advance(&a, |i| gamma[i * nc], n, step.elapsed);
-        multiply(&a, &w, CORE, n, nc, &mut gamma);
+        multiply::<FUSED>(&a, &w, CORE, n, nc, &mut gamma);
         w[..CORE * nc].copy_from_slice(&gamma);
         moved.fill(0.0);
-        multiply(&a, &p, CORE, n, n, &mut moved);
+        multiply::<FUSED>(&a, &p, CORE, n, n, &mut moved);
         for i in 0..CORE {
             for l in 0..=i {
                 let q = gyro * step.gyro_noise[i * CORE + l] + accel * step.accel_noise[i * CORE + l];
@@ -248,10 +269,10 @@ pub(crate) fn run_free(
         free.measure(step, &h, |m| direct[m * nc], n);
         y.clear();
         y.extend_from_slice(&direct);
-        multiply(&h, &w, ms, n, nc, &mut y);
+        multiply::<FUSED>(&h, &w, ms, n, nc, &mut y);
         yp.clear();
         yp.resize(ms * n, 0.0);
-        multiply(&h, &p, ms, n, n, &mut yp);
+        multiply::<FUSED>(&h, &p, ms, n, n, &mut yp);
         s.clear();
         s.resize(ms * ms, 0.0);
         for i in 0..ms {
@@ -267,17 +288,17 @@ pub(crate) fn run_free(
         }
         log_likelihood -= 0.5 * (nis + log_det + ms as f64 * core::f64::consts::TAU.ln());
         degrees_of_freedom += ms;
-        subtract_outer(&yp, &yp, ms, n, n, &mut p);
-        subtract_outer(&yp, &y, ms, n, nc, &mut w);
+        subtract_outer::<FUSED>(&yp, &yp, ms, n, n, &mut p);
+        subtract_outer::<FUSED>(&yp, &y, ms, n, nc, &mut w);
         rows.extend_from_slice(&y);
         if rows.len() >= AT_ONCE * nc {
-            add_products(&rows, nc, &mut gram);
+            add_products::<FUSED>(&rows, nc, &mut gram);
             rows.clear();
         }
         free.restart(step.time, &w, n, nc);
         watch(&Whitened { step, rows: &y });
     }
-    add_products(&rows, nc, &mut gram);
+    add_products::<FUSED>(&rows, nc, &mut gram);
     for i in 0..nc {
         for j in 0..i {
             gram[i * nc + j] = gram[j * nc + i];

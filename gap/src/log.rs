@@ -3,12 +3,16 @@
 use core::ops::ControlFlow;
 use std::hash::{DefaultHasher, Hasher};
 
-use sinscal::{Sample, Setup};
+use sinscal::{Reference, Sample, Setup};
 
 /// A reference that stays within so many of its standard deviations does not move.
 const STILL: f64 = 10.0;
 /// A diagnosis remembers some 12 kB of each update, and uses no more updates than this.
 const MOST_UPDATES: f64 = 10_000.0;
+/// Samples are joined up to this length, s...
+const JOINED_TIME: f64 = 0.2;
+/// ...and this angle, rad: what is between them is then as good as straight.
+const JOINED_ANGLE: f64 = 0.02;
 
 /// Why samples could not be read.
 pub type ReadError = Box<dyn std::error::Error + Send + Sync>;
@@ -56,6 +60,55 @@ impl Log<'_> {
         })?;
         fault.map_or(Ok(()), Err)
     }
+
+    /// The same with samples as a unit of a slower rate would have given them: increments are sums, and what is read now and then
+    /// is the last reading. A joined sample ends where an update by the reference is due.
+    pub(crate) fn try_each_joined<E: From<ReadError>>(
+        &self,
+        mut work: impl FnMut(&Sample) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut joined: Option<Sample> = None;
+        let (mut start, mut due) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        self.try_each(|sample| {
+            match &mut joined {
+                Some(joined) => join(joined, sample),
+                None => joined = Some(*sample),
+            }
+            let is_due = sample.time >= due && is_read(&sample.reference);
+            let is_longer = |all: &Sample| {
+                all.time - start >= JOINED_TIME || all.dtheta.norm_squared() >= JOINED_ANGLE * JOINED_ANGLE
+            };
+            let Some(mut all) = joined.take_if(|all| is_due || is_longer(all)) else { return Ok(()) };
+            start = sample.time;
+            all.reference = Reference::default();
+            if is_due {
+                all.reference = sample.reference;
+                due = sample.time + 1.0 / self.setup.update_rate - 0.5 / self.setup.rate;
+            }
+            work(&all)
+        })
+    }
+}
+
+/// Adds the sample that comes next, but for its reference.
+fn join(joined: &mut Sample, next: &Sample) {
+    joined.time = next.time;
+    joined.dtheta += next.dtheta;
+    joined.dvel += next.dvel;
+    let read = [&next.temperature, &next.gyro_temperature, &next.dither];
+    for (held, read) in
+        [&mut joined.temperature, &mut joined.gyro_temperature, &mut joined.dither].into_iter().zip(read)
+    {
+        held.zip_apply(read, |held, read| {
+            if !read.is_nan() {
+                *held = read;
+            }
+        });
+    }
+}
+
+fn is_read(reference: &Reference) -> bool {
+    reference.velocity.is_some() || reference.position.is_some() || reference.attitude.is_some()
 }
 
 /// What one look at a log tells before any filter runs.
@@ -93,9 +146,7 @@ impl Survey {
                 (p - *from).amax() < STILL * sigma.position
             });
             survey.fixed &= still && there;
-            let read =
-                reference.velocity.is_some() || reference.position.is_some() || reference.attitude.is_some();
-            survey.readings += usize::from(read);
+            survey.readings += usize::from(is_read(reference));
             for value in s.dtheta.iter().chain(&s.dvel) {
                 digest.write_u64(value.to_bits());
             }

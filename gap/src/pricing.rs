@@ -48,7 +48,8 @@ impl Pricing {
     /// # Errors
     /// When that noise leaves an innovation covariance that is not positive definite.
     pub fn reprice(&mut self, noise: Noise) -> Result<(), Error> {
-        let (found, prices) = noise::price(&self.recording, &noise).ok_or(Error::Indefinite { log: FIRST })?;
+        let (found, prices) =
+            noise::price(&self.recording, &noise).ok_or(Error::Indefinite { log: FIRST })?;
         (self.noise, self.base, self.prices) = (noise, found.log_likelihood, prices);
         Ok(())
     }

@@ -147,7 +147,7 @@ fn drive<A: Filter<Dynamics = Strapdown>, G: Filter<Dynamics = Strapdown>>(
 ) -> Result<Ran, SceneError> {
     let adjusted = |state, info: &StateInfo, sigma| if state < own { sigma } else { prior(info, sigma) };
     let mut first = Calibration::<A>::with_prior(log.setup, adjusted);
-    log.try_each(|sample| first.step(sample).map(drop).map_err(SceneError::Diverged))?;
+    log.try_each_joined(|sample| first.step(sample).map(drop).map_err(SceneError::Diverged))?;
     let mut columns: Vec<Column> = Vec::new();
     let mut pass = Calibration::<G, Known>::with_prior(log.setup, |state, info, sigma| {
         let sigma = adjusted(state, info, sigma);
@@ -174,12 +174,8 @@ fn drive<A: Filter<Dynamics = Strapdown>, G: Filter<Dynamics = Strapdown>>(
             pass.step_observed(sample, &mut recorder).map(drop).map_err(SceneError::Diverged)
         })?;
         passes += 1;
-        let recording = Recording {
-            columns: columns.clone(),
-            start,
-            steps: recorder.steps,
-            relaxing: relaxing.clone(),
-        };
+        let recording =
+            Recording { columns: columns.clone(), start, steps: recorder.steps, relaxing: relaxing.clone() };
         let (found, prices) = price(&recording, noise).ok_or(SceneError::Indefinite)?;
         let estimates = estimates(&recording, &found, &prices).ok_or(SceneError::Indefinite)?;
         let estimate: Vec<f64> = estimates.iter().map(|e| e.0).collect();
