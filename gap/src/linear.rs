@@ -40,18 +40,19 @@ impl Priced for Recorded<'_> {
     fn fill(&self, _: usize, step: &Step, width: usize, gamma: &mut [f64], direct: &mut [f64]) {
         // both matrices have a first column of another meaning
         let nc = self.0.len() + 1;
-        for i in 0..CORE {
-            let row = &step.rows[i * width + CORE..];
-            for (out, c) in gamma[i * nc + 1..(i + 1) * nc].iter_mut().zip(self.0) {
-                *out = row[*c];
+        let copy = |from: &[f64], width: usize, to: &mut [f64], rows: usize| {
+            let mut at = 1;
+            for run in self.0.chunk_by(|a, b| *b == a + 1) {
+                for i in 0..rows {
+                    let first = i * width + CORE + run[0];
+                    let to = &mut to[i * nc + at..i * nc + at + run.len()];
+                    to.copy_from_slice(&from[first..first + run.len()]);
+                }
+                at += run.len();
             }
-        }
-        for m in 0..step.z.len() {
-            let row = &step.h[m * (width - 1) + CORE..];
-            for (out, c) in direct[m * nc + 1..(m + 1) * nc].iter_mut().zip(self.0) {
-                *out = row[*c];
-            }
-        }
+        };
+        copy(&step.rows, width, gamma, CORE);
+        copy(&step.h, width - 1, direct, step.z.len());
     }
 }
 

@@ -10,7 +10,7 @@ const STILL: f64 = 10.0;
 /// A diagnosis remembers some 12 kB of each update, and uses no more updates than this.
 const MOST_UPDATES: f64 = 10_000.0;
 /// Samples are joined up to this length, s...
-const JOINED_TIME: f64 = 0.2;
+const JOINED_TIME: f64 = 0.5;
 /// ...and this angle, rad: what is between them is then as good as straight.
 const JOINED_ANGLE: f64 = 0.02;
 

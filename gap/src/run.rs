@@ -17,7 +17,7 @@ use crate::recording::{CORE, Column, Recorder, Recording};
 
 /// A pass has settled when what is left of second order in how far the estimates are from where it was linearised is less than
 /// about so many standard deviations.
-const SETTLED: f64 = 0.3;
+const SETTLED: f64 = 0.1;
 /// No more recorded passes than this.
 const PASSES: usize = 4;
 /// A small angle is what a specific force is wrong by, over this, m/s^2.

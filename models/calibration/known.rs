@@ -113,3 +113,52 @@ impl Form for Known {
         p.clone_from(cov);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use calib_core::{Conventional, Dim};
+
+    use super::*;
+
+    type S = Dim<14, 9, 3>;
+
+    #[test]
+    fn says_what_the_usual_form_says_of_parameters_without_doubt() {
+        let wave = |i: usize, j: usize| ((i * 31 + j * 17) as f64).sin();
+        let mut rows = S::core_rows(0.0);
+        let mut noise = S::core_matrix(0.0);
+        let mut h = S::measurement_rows(0.0);
+        let mut variances = S::vector(0.0);
+        for i in 0..S::CORE {
+            (variances[i], noise[i][i]) = (2.0, 0.1);
+            for j in 0..S::STATES {
+                rows[i][j] = 0.1 * wave(i, j) + f64::from(u8::from(i == j));
+            }
+        }
+        for j in 0..S::STATES {
+            // the second one is no measurement
+            (h[0][j], h[2][j]) = (wave(0, j), wave(2, j));
+        }
+        let (mut known, mut usual) = (S::matrix(1.0), S::matrix(1.0));
+        Known::set_diagonal::<S, f64>(&mut known, &variances);
+        Conventional::set_diagonal::<S, f64>(&mut usual, &variances);
+        let (mut x, mut y) = (S::vector(0.0), S::vector(0.0));
+        for step in 0..10 {
+            Known::propagate::<S, f64>(&mut known, &rows, &noise);
+            Conventional::propagate::<S, f64>(&mut usual, &rows, &noise);
+            let (s, t) = (Known::project::<S, f64>(&known, &h), Conventional::project::<S, f64>(&usual, &h));
+            let (r, z) = ([0.5, 1.0, 2.0], [wave(step, 0), 0.0, wave(step, 1)]);
+            let a = Known::update::<S, f64>(&mut known, &mut x, &h, &r, &z).unwrap();
+            let b = Conventional::update::<S, f64>(&mut usual, &mut y, &h, &r, &z).unwrap();
+            assert!((a.nis - b.nis).abs() < 1e-12 && (a.log_det - b.log_det).abs() < 1e-12);
+            for i in 0..S::STATES {
+                assert!((x[i] - y[i]).abs() < 1e-12);
+                assert!((0..S::STATES).all(|j| (known[i][j] - usual[i][j]).abs() < 1e-12));
+            }
+            assert!((0..9).all(|k| (s[k / 3][k % 3] - t[k / 3][k % 3]).abs() < 1e-12));
+        }
+        let before = (x, known);
+        assert!(Known::update::<S, f64>(&mut known, &mut x, &h, &[0.5, 1.0, f64::NAN], &[0.0; 3]).is_none());
+        assert_eq!((x, known), before);
+    }
+}
