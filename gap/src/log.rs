@@ -224,6 +224,42 @@ mod tests {
     }
 
     #[test]
+    fn joined_samples_lose_nothing_but_readings_that_are_not_due() {
+        let scenario = rig::Scenario::default();
+        let description = rig::Simulation::new(&scenario, 1).unwrap().description().clone();
+        let setup = Setup { rate: 50.0, update_rate: 1.0, ..description.setup(&[]) };
+        let mut samples: Vec<Sample> = samples(502);
+        for (i, sample) in samples.iter_mut().enumerate() {
+            sample.time = 0.02 * i as f64;
+            sample.dvel.z = 0.2;
+            // at rest, then turning by 10 deg/s
+            sample.dtheta.x = if i <= 250 { 0.0 } else { 0.0035 };
+            sample.temperature.x = if i == 52 { 30.0 } else { f64::NAN };
+        }
+        let mut joined: Vec<Sample> = Vec::new();
+        let log = Log { samples: &samples, setup: &setup };
+        let mut keep = |sample: &Sample| {
+            joined.push(*sample);
+            Ok::<(), ReadError>(())
+        };
+        log.try_each_joined(&mut keep).unwrap();
+        assert_eq!((joined[0].time, joined[0].reference), (0.0, samples[0].reference));
+        let sum = |all: &[Sample]| all.iter().fold(Vector3::zeros(), |sum, s| sum + s.dtheta + s.dvel);
+        let until = joined.last().unwrap().time;
+        let used: Vec<Sample> = samples.iter().copied().filter(|s| s.time <= until).collect();
+        assert!((sum(&joined) - sum(&used)).norm() < 1e-9 && used.len() > 495);
+        assert!(joined.iter().all(|s| s.dtheta.norm() < JOINED_ANGLE + 0.0035));
+        assert!(joined.iter().any(|s| s.temperature.x == 30.0 && s.time > samples[52].time));
+        let due = joined.iter().filter(|s| is_read(&s.reference)).count();
+        assert!((10..=11).contains(&due), "{due}");
+        let still = joined.iter().filter(|s| s.time <= 5.0).count();
+        assert!(
+            (9..=13).contains(&still) && (40..=60).contains(&(joined.len() - still)),
+            "{still}, {joined:?}"
+        );
+    }
+
+    #[test]
     fn an_error_ends_a_pass() {
         let scenario = rig::Scenario::default();
         let description = rig::Simulation::new(&scenario, 1).unwrap().description().clone();
