@@ -15,12 +15,14 @@ use crate::prices::Prices;
 use crate::products::dot;
 use crate::recording::{CORE, Column, Recorder, Recording};
 
-/// A pass has settled when what is left of second order in how far the estimates are from where it was linearised is less than
-/// about so many standard deviations.
-const SETTLED: f64 = 0.1;
+/// Estimates have settled that are within so many standard deviations of where the pass was linearised.
+const SETTLED: f64 = 1.0;
+/// What a move leaves is second order. In the first recorded pass it is small when the largest move, in standard deviations, times
+/// the largest angle that all moves make is less than this.
+const SECOND_ORDER: f64 = 0.1;
 /// No more recorded passes than this.
 const PASSES: usize = 4;
-/// A small angle is what a specific force is wrong by, over this, m/s^2.
+/// Size of a specific force, m/s^2.
 const GRAVITY: f64 = 9.8;
 
 /// A filter was really run.
@@ -179,23 +181,23 @@ fn drive<A: Filter<Dynamics = Strapdown>, G: Filter<Dynamics = Strapdown>>(
         let (found, prices) = price(&recording, noise).ok_or(SceneError::Indefinite)?;
         let estimates = estimates(&recording, &found, &prices).ok_or(SceneError::Indefinite)?;
         let estimate: Vec<f64> = estimates.iter().map(|e| e.0).collect();
-        if passes == PASSES || second_order(&recording, &estimates) < SETTLED {
+        let moves: Vec<f64> = columns.iter().zip(&estimate).map(|(column, e)| e - column.about).collect();
+        let sigmas = moves.iter().zip(&estimates).filter(|(_, e)| e.1 > 0.0);
+        let moved = sigmas.map(|(by, e)| by.abs() / e.1).fold(0.0, f64::max);
+        let is_small = passes == 1 && moved * angle_of(&recording, &moves) < SECOND_ORDER;
+        if moved < SETTLED || is_small || passes == PASSES {
             return Ok(Ran { recording, log_likelihood: found.log_likelihood, prices, estimate });
         }
         about.as_mut_slice()[CORE..].copy_from_slice(&estimate);
     }
 }
 
-/// What the estimates leave of second order, in standard deviations, about: the largest of their moves from where the pass was
-/// linearised, times the largest angle by which all of them together turn the computed attitude or the specific force.
-fn second_order(recording: &Recording, estimates: &[(f64, f64)]) -> f64 {
-    let moves: Vec<f64> = recording.columns.iter().zip(estimates).map(|(c, e)| e.0 - c.about).collect();
-    let sigmas = moves.iter().zip(estimates).filter(|(_, e)| e.1 > 0.0);
-    let moved = sigmas.map(|(by, e)| by.abs() / e.1).fold(0.0, f64::max);
+/// The largest angle, rad, by which moves of all parameters turn the computed attitude, or the specific force.
+fn angle_of(recording: &Recording, moves: &[f64]) -> f64 {
     let mut angle: f64 = 0.0;
     let mut turned = [0.0; 3];
     for step in &recording.steps {
-        let mut rows = step.rows.chunks_exact(CORE + moves.len() + 1).map(|row| dot(&row[CORE..], &moves));
+        let mut rows = step.rows.chunks_exact(CORE + moves.len() + 1).map(|row| dot(&row[CORE..], moves));
         for (turned, by) in turned.iter_mut().zip(&mut rows) {
             *turned += by;
             angle = angle.max(turned.abs());
@@ -204,7 +206,7 @@ fn second_order(recording: &Recording, estimates: &[(f64, f64)]) -> f64 {
             angle = angle.max(by.abs() / (GRAVITY * step.elapsed));
         }
     }
-    moved * angle
+    angle
 }
 
 /// Estimate and standard deviation of every column under base and all candidates, from the run of the base filter that found
