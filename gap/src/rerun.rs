@@ -6,7 +6,7 @@ use sinscal::Sample;
 
 use crate::decide::Decision;
 use crate::error::{Error, FIRST, SECOND, SceneError};
-use crate::linear::{FreeRun, Recorded, run_free};
+use crate::linear::{FreeRun, Noise, Recorded, run_free};
 use crate::log::Log;
 use crate::parallel::both;
 use crate::report::{Diagnosis, Gap, Horizontal, LogGap};
@@ -30,9 +30,9 @@ impl Pair {
         log: &Log,
         scene: &Scene,
     ) -> Result<Self, SceneError> {
-        let before = machine.rerun(log, &scene.noise, &|_| 0.0)?;
+        let before = machine.rerun(log, &Noise::STATED, &|_| 0.0)?;
         let size = |block: &str| added.iter().find(|a| a.0 == block).map_or(0.0, |a| a.1);
-        let after = machine.rerun(log, &scene.noise, &size)?;
+        let after = machine.rerun(log, &Noise::STATED, &size)?;
         let (start, end) = before.recording.span();
         let horizon = ((end - start) / 40.0).min(60.0);
         let measure = |ran: &Ran| -> Result<(f64, f64, (f64, &'static str)), SceneError> {

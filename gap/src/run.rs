@@ -17,8 +17,10 @@ use crate::recording::{CORE, Column, Recorder, Recording};
 
 /// Estimates have settled that are within so many standard deviations of where the pass was linearised.
 const SETTLED: f64 = 1.0;
-/// What a move leaves is second order. In the first recorded pass it is small when the largest move, in standard deviations, times
-/// the largest angle that all moves make is less than this.
+/// What a move leaves is second order. In the first recorded pass it is small when the largest angle that all moves make is less
+/// than this, rad...
+const SMALL: f64 = 2e-3;
+/// ...and, times the largest move in standard deviations, less than this.
 const SECOND_ORDER: f64 = 0.1;
 /// No more recorded passes than this.
 const PASSES: usize = 4;
@@ -184,8 +186,8 @@ fn drive<A: Filter<Dynamics = Strapdown>, G: Filter<Dynamics = Strapdown>>(
         let moves: Vec<f64> = columns.iter().zip(&estimate).map(|(column, e)| e - column.about).collect();
         let sigmas = moves.iter().zip(&estimates).filter(|(_, e)| e.1 > 0.0);
         let moved = sigmas.map(|(by, e)| by.abs() / e.1).fold(0.0, f64::max);
-        let is_small = passes == 1 && moved * angle_of(&recording, &moves) < SECOND_ORDER;
-        if moved < SETTLED || is_small || passes == PASSES {
+        let is_small = || angle_of(&recording, &moves) < SMALL.min(SECOND_ORDER / moved);
+        if moved < SETTLED || passes == 1 && is_small() || passes == PASSES {
             return Ok(Ran { recording, log_likelihood: found.log_likelihood, prices, estimate });
         }
         about.as_mut_slice()[CORE..].copy_from_slice(&estimate);
