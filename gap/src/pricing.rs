@@ -29,7 +29,7 @@ pub struct Pricing {
 }
 
 impl Pricing {
-    /// Prices the catalogue against filter `F`, about the trajectory of the filter with every effect.
+    /// Prices the catalogue against filter `F`, about one trajectory with all of them.
     ///
     /// # Errors
     /// When the filter diverges.
