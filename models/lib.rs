@@ -171,7 +171,7 @@ pub use calib_core::{
     Block, BlockSet, BlockView, ChannelGroup, Conventional, Dim, Dynamics, Estimate, Filter, Form,
     Innovation, Kalman, Need, Real, Relaxation, Residuals, Shape, StateInfo, Transition, Ud, View,
 };
-pub use calibration::Calibration;
+pub use calibration::{Calibration, Known};
 #[cfg(feature = "std")]
 pub use coarse::{Coarse, CoarseCalibration, CoarseError, CoarseParameter, UnknownPulses};
 pub use compensation::{Compensator, input_errors};

@@ -371,7 +371,7 @@ mod tests {
     use super::*;
     use crate::declaration::BaseFilter;
     use crate::error::SceneError;
-    use crate::run::Ran;
+    use crate::run::{Ran, Size};
 
     /// 36d-p, which diverges without help.
     struct Fragile(Declared<Sins36P, Candidates, CandidateStates>);
@@ -385,11 +385,15 @@ mod tests {
             self.0.has(block)
         }
 
-        fn run(&self, log: &Log, size: &(dyn Fn(&str) -> f64 + Sync)) -> Result<Ran, SceneError> {
+        fn run(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError> {
+            self.0.run(log, noise, size)
+        }
+
+        fn rerun(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError> {
             if size("accel-delay") == 0.0 {
                 return Err(SceneError::Diverged(Diverged { time: 321.0, channel: "velocity" }));
             }
-            self.0.run(log, size)
+            self.0.rerun(log, noise, size)
         }
 
         fn pilot(&self, setup: &Setup, parameters: &[f64]) -> Box<dyn Pilot> {

@@ -40,18 +40,19 @@ impl Priced for Recorded<'_> {
     fn fill(&self, _: usize, step: &Step, width: usize, gamma: &mut [f64], direct: &mut [f64]) {
         // both matrices have a first column of another meaning
         let nc = self.0.len() + 1;
-        for i in 0..CORE {
-            let row = &step.rows[i * width + CORE..];
-            for (out, c) in gamma[i * nc + 1..(i + 1) * nc].iter_mut().zip(self.0) {
-                *out = row[*c];
+        let copy = |from: &[f64], width: usize, to: &mut [f64], rows: usize| {
+            let mut at = 1;
+            for run in self.0.chunk_by(|a, b| *b == a + 1) {
+                for i in 0..rows {
+                    let first = i * width + CORE + run[0];
+                    let to = &mut to[i * nc + at..i * nc + at + run.len()];
+                    to.copy_from_slice(&from[first..first + run.len()]);
+                }
+                at += run.len();
             }
-        }
-        for m in 0..step.z.len() {
-            let row = &step.h[m * (width - 1) + CORE..];
-            for (out, c) in direct[m * nc + 1..(m + 1) * nc].iter_mut().zip(self.0) {
-                *out = row[*c];
-            }
-        }
+        };
+        copy(&step.rows, width, gamma, CORE);
+        copy(&step.h, width - 1, direct, step.z.len());
     }
 }
 
@@ -62,6 +63,10 @@ pub(crate) struct Found {
     pub(crate) log_likelihood: f64,
     pub(crate) degrees_of_freedom: usize,
     pub(crate) gram: Vec<f64>,
+    /// Of each estimated column in the end: the negative of its estimate, and what a unit of each priced column adds to that.
+    pub(crate) errors: Vec<f64>,
+    /// And its variance, were nothing of what is priced there.
+    pub(crate) variances: Vec<f64>,
 }
 
 /// The whitened rows of one update: `rows` x (1 + priced).
@@ -146,6 +151,27 @@ pub(crate) fn run_free(
     watch: &mut dyn FnMut(&Whitened),
     free: &mut FreeRun,
 ) -> Option<Found> {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = fearless_simd::Level::new().as_avx2() {
+        return fearless_simd::Simd::vectorize(
+            avx2,
+            #[inline(always)]
+            || filter::<true>(recording, estimated, priced, noise, watch, free),
+        );
+    }
+    filter::<false>(recording, estimated, priced, noise, watch, free)
+}
+
+/// [`run_free`], compiled once with fused products for the processor that has them and once without.
+#[inline(always)]
+fn filter<const FUSED: bool>(
+    recording: &Recording,
+    estimated: &[usize],
+    priced: &dyn Priced,
+    noise: &Noise,
+    watch: &mut dyn FnMut(&Whitened),
+    free: &mut FreeRun,
+) -> Option<Found> {
     let columns = &recording.columns;
     let np = columns.len();
     let width = CORE + np + 1;
@@ -207,10 +233,10 @@ pub(crate) fn run_free(
             gamma[i * nc] = -input;
         }
         free.advance(&a, |i| gamma[i * nc], n, step.elapsed);
-        multiply(&a, &w, CORE, n, nc, &mut gamma);
+        multiply::<FUSED>(&a, &w, CORE, n, nc, &mut gamma);
         w[..CORE * nc].copy_from_slice(&gamma);
         moved.fill(0.0);
-        multiply(&a, &p, CORE, n, n, &mut moved);
+        multiply::<FUSED>(&a, &p, CORE, n, n, &mut moved);
         for i in 0..CORE {
             for l in 0..=i {
                 let q = gyro * step.gyro_noise[i * CORE + l] + accel * step.accel_noise[i * CORE + l];
@@ -244,10 +270,10 @@ pub(crate) fn run_free(
         free.measure(step, &h, |m| direct[m * nc], n);
         y.clear();
         y.extend_from_slice(&direct);
-        multiply(&h, &w, ms, n, nc, &mut y);
+        multiply::<FUSED>(&h, &w, ms, n, nc, &mut y);
         yp.clear();
         yp.resize(ms * n, 0.0);
-        multiply(&h, &p, ms, n, n, &mut yp);
+        multiply::<FUSED>(&h, &p, ms, n, n, &mut yp);
         s.clear();
         s.resize(ms * ms, 0.0);
         for i in 0..ms {
@@ -263,23 +289,25 @@ pub(crate) fn run_free(
         }
         log_likelihood -= 0.5 * (nis + log_det + ms as f64 * core::f64::consts::TAU.ln());
         degrees_of_freedom += ms;
-        subtract_outer(&yp, &yp, ms, n, n, &mut p);
-        subtract_outer(&yp, &y, ms, n, nc, &mut w);
+        subtract_outer::<FUSED>(&yp, &yp, ms, n, n, &mut p);
+        subtract_outer::<FUSED>(&yp, &y, ms, n, nc, &mut w);
         rows.extend_from_slice(&y);
         if rows.len() >= AT_ONCE * nc {
-            add_products(&rows, nc, &mut gram);
+            add_products::<FUSED>(&rows, nc, &mut gram);
             rows.clear();
         }
         free.restart(step.time, &w, n, nc);
         watch(&Whitened { step, rows: &y });
     }
-    add_products(&rows, nc, &mut gram);
+    add_products::<FUSED>(&rows, nc, &mut gram);
     for i in 0..nc {
         for j in 0..i {
             gram[i * nc + j] = gram[j * nc + i];
         }
     }
-    Some(Found { log_likelihood, degrees_of_freedom, gram })
+    let errors = w.split_off(CORE * nc);
+    let variances = (CORE..n).map(|i| p[i * n + i]).collect();
+    Some(Found { log_likelihood, degrees_of_freedom, gram, errors, variances })
 }
 
 #[allow(clippy::too_many_arguments, reason = "one line of the loop, out of its way")]

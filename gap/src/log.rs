@@ -3,12 +3,16 @@
 use core::ops::ControlFlow;
 use std::hash::{DefaultHasher, Hasher};
 
-use sinscal::{Sample, Setup};
+use sinscal::{Reference, Sample, Setup};
 
 /// A reference that stays within so many of its standard deviations does not move.
 const STILL: f64 = 10.0;
 /// A diagnosis remembers some 12 kB of each update, and uses no more updates than this.
 const MOST_UPDATES: f64 = 10_000.0;
+/// Samples are joined up to this length, s...
+const JOINED_TIME: f64 = 0.5;
+/// ...and this angle, rad: what is between them is then as good as straight.
+const JOINED_ANGLE: f64 = 0.02;
 
 /// Why samples could not be read.
 pub type ReadError = Box<dyn std::error::Error + Send + Sync>;
@@ -56,6 +60,55 @@ impl Log<'_> {
         })?;
         fault.map_or(Ok(()), Err)
     }
+
+    /// The same with samples as a unit of a slower rate would have given them: increments are sums, and what is read now and then
+    /// is the last reading. A joined sample ends where an update by the reference is due.
+    pub(crate) fn try_each_joined<E: From<ReadError>>(
+        &self,
+        mut work: impl FnMut(&Sample) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut joined: Option<Sample> = None;
+        let (mut start, mut due) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        self.try_each(|sample| {
+            match &mut joined {
+                Some(joined) => join(joined, sample),
+                None => joined = Some(*sample),
+            }
+            let is_due = sample.time >= due && is_read(&sample.reference);
+            let is_longer = |all: &Sample| {
+                all.time - start >= JOINED_TIME || all.dtheta.norm_squared() >= JOINED_ANGLE * JOINED_ANGLE
+            };
+            let Some(mut all) = joined.take_if(|all| is_due || is_longer(all)) else { return Ok(()) };
+            start = sample.time;
+            all.reference = Reference::default();
+            if is_due {
+                all.reference = sample.reference;
+                due = sample.time + 1.0 / self.setup.update_rate - 0.5 / self.setup.rate;
+            }
+            work(&all)
+        })
+    }
+}
+
+/// Adds the sample that comes next, but for its reference.
+fn join(joined: &mut Sample, next: &Sample) {
+    joined.time = next.time;
+    joined.dtheta += next.dtheta;
+    joined.dvel += next.dvel;
+    let read = [&next.temperature, &next.gyro_temperature, &next.dither];
+    for (held, read) in
+        [&mut joined.temperature, &mut joined.gyro_temperature, &mut joined.dither].into_iter().zip(read)
+    {
+        held.zip_apply(read, |held, read| {
+            if !read.is_nan() {
+                *held = read;
+            }
+        });
+    }
+}
+
+fn is_read(reference: &Reference) -> bool {
+    reference.velocity.is_some() || reference.position.is_some() || reference.attitude.is_some()
 }
 
 /// What one look at a log tells before any filter runs.
@@ -93,9 +146,7 @@ impl Survey {
                 (p - *from).amax() < STILL * sigma.position
             });
             survey.fixed &= still && there;
-            let read =
-                reference.velocity.is_some() || reference.position.is_some() || reference.attitude.is_some();
-            survey.readings += usize::from(read);
+            survey.readings += usize::from(is_read(reference));
             for value in s.dtheta.iter().chain(&s.dvel) {
                 digest.write_u64(value.to_bits());
             }
@@ -170,6 +221,42 @@ mod tests {
         other[50].dvel.z += 1e-12;
         assert!(!survey(&one).is_same(&survey(&other)));
         assert!(!survey(&one).is_same(&survey(&samples(99))));
+    }
+
+    #[test]
+    fn joined_samples_lose_nothing_but_readings_that_are_not_due() {
+        let scenario = rig::Scenario::default();
+        let description = rig::Simulation::new(&scenario, 1).unwrap().description().clone();
+        let setup = Setup { rate: 50.0, update_rate: 1.0, ..description.setup(&[]) };
+        let mut samples: Vec<Sample> = samples(502);
+        for (i, sample) in samples.iter_mut().enumerate() {
+            sample.time = 0.02 * i as f64;
+            sample.dvel.z = 0.2;
+            // at rest, then turning by 10 deg/s
+            sample.dtheta.x = if i <= 250 { 0.0 } else { 0.0035 };
+            sample.temperature.x = if i == 52 { 30.0 } else { f64::NAN };
+        }
+        let mut joined: Vec<Sample> = Vec::new();
+        let log = Log { samples: &samples, setup: &setup };
+        let mut keep = |sample: &Sample| {
+            joined.push(*sample);
+            Ok::<(), ReadError>(())
+        };
+        log.try_each_joined(&mut keep).unwrap();
+        assert_eq!((joined[0].time, joined[0].reference), (0.0, samples[0].reference));
+        let sum = |all: &[Sample]| all.iter().fold(Vector3::zeros(), |sum, s| sum + s.dtheta + s.dvel);
+        let until = joined.last().unwrap().time;
+        let used: Vec<Sample> = samples.iter().copied().filter(|s| s.time <= until).collect();
+        assert!((sum(&joined) - sum(&used)).norm() < 1e-9 && used.len() > 495);
+        assert!(joined.iter().all(|s| s.dtheta.norm() < JOINED_ANGLE + 0.0035));
+        assert!(joined.iter().any(|s| s.temperature.x == 30.0 && s.time > samples[52].time));
+        let due = joined.iter().filter(|s| is_read(&s.reference)).count();
+        assert!((10..=11).contains(&due), "{due}");
+        let still = joined.iter().filter(|s| s.time <= 5.0).count();
+        assert!(
+            (9..=13).contains(&still) && (40..=60).contains(&(joined.len() - still)),
+            "{still}, {joined:?}"
+        );
     }
 
     #[test]

@@ -102,7 +102,9 @@ impl Menu {
             let samples: Vec<Sample> = simulation.collect();
             let setup = description.setup(&[]);
             let broken = |e| ProposalError::Diagnosis(Error::of("menu", e));
-            let ran = machine.run(&Log { samples: &samples, setup: &setup }, &|_| 1.0).map_err(broken)?;
+            let ran = machine
+                .run(&Log { samples: &samples, setup: &setup }, &Noise::STATED, &|_| 1.0)
+                .map_err(broken)?;
             let everything = information(&ran.recording, &Noise::STATED);
             Ok((*run, everything.ok_or(broken(SceneError::Indefinite))?, ran.recording.base().len()))
         };

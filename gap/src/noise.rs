@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::linear::{Noise, Recorded, run};
+use crate::linear::{Found, Noise, Recorded, run};
 use crate::prices::{Prices, groups_of};
 use crate::recording::Recording;
 
@@ -22,12 +22,13 @@ const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 /// Standard deviation of the logarithm of a scale before the fit.
 const PRIOR: f64 = 1.0;
 
-/// The prices of all candidates of a recording under `noise`, and the log-likelihood of the base filter.
-pub(crate) fn price(recording: &Recording, noise: &Noise) -> Option<(f64, Prices)> {
+/// What the base filter finds in a recording under `noise`, and the prices of all candidates.
+pub(crate) fn price(recording: &Recording, noise: &Noise) -> Option<(Found, Prices)> {
     let priced = recording.candidates();
     let found = run(recording, &recording.base(), &Recorded(&priced), noise, &mut |_| {})?;
     let sigma = priced.iter().map(|c| recording.columns[*c].prior).collect();
-    Some((found.log_likelihood, Prices::new(&found.gram, sigma, groups_of(&recording.columns, &priced))))
+    let prices = Prices::new(&found.gram, sigma, groups_of(&recording.columns, &priced));
+    Some((found, prices))
 }
 
 fn noise_of(x: &Vector3<f64>) -> Noise {
@@ -37,8 +38,8 @@ fn noise_of(x: &Vector3<f64>) -> Noise {
 /// Log-likelihood of the filter with every candidate, and a weak preference for what is stated.
 fn objective(recording: &Recording, x: &Vector3<f64>) -> f64 {
     match price(recording, &noise_of(x)) {
-        Some((log_likelihood, prices)) => {
-            log_likelihood + prices.gain(&prices.all()) - 0.5 * x.norm_squared() / (PRIOR * PRIOR)
+        Some((found, prices)) => {
+            found.log_likelihood + prices.gain(&prices.all()) - 0.5 * x.norm_squared() / (PRIOR * PRIOR)
         }
         None => f64::NEG_INFINITY,
     }

@@ -139,10 +139,14 @@ impl Prices {
         Some(largest.map(|size| if size > BEYOND { size } else { 1.0 }).collect())
     }
 
-    /// Estimates of the columns of some groups and their covariance, both in physical units.
+    /// Estimates of the columns of some groups and their covariance, both in physical units, with priors as wide as they must be.
     pub(crate) fn posterior(&self, groups: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>)> {
+        self.estimates(groups, &self.sizes(groups)?)
+    }
+
+    /// The same with the prior of each group so many times larger than expected.
+    pub(crate) fn estimates(&self, groups: &[usize], sizes: &[f64]) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let members = self.members(groups);
-        let sizes = self.sizes(groups)?;
         let factor = self.posterior_factor(groups, |i| 1.0 / (sizes[i] * sizes[i]))?;
         let scale = DVector::from_iterator(members.len(), members.iter().map(|i| self.sigma[*i]));
         let mean = factor.solve(&self.b.select_rows(&members)).component_mul(&scale);

@@ -29,7 +29,7 @@ pub struct Pricing {
 }
 
 impl Pricing {
-    /// Prices the catalogue against filter `F`, about the trajectory of the filter with every effect.
+    /// Prices the catalogue against filter `F`, about one trajectory with all of them.
     ///
     /// # Errors
     /// When the filter diverges.
@@ -39,9 +39,8 @@ impl Pricing {
         Extended<F, Candidates, CandidateStates>: Filter<Dynamics = Strapdown>,
     {
         let machine = Declared::<F, Candidates, CandidateStates>::new();
-        let recording = machine.run(log, &|_| 1.0).map_err(|e| Error::of(FIRST, e))?.recording;
-        let (base, prices) = noise::price(&recording, &noise).ok_or(Error::Indefinite { log: FIRST })?;
-        Ok(Self { recording, noise, base, prices })
+        let ran = machine.run(log, &noise, &|_| 1.0).map_err(|e| Error::of(FIRST, e))?;
+        Ok(Self { recording: ran.recording, noise, base: ran.log_likelihood, prices: ran.prices })
     }
 
     /// Prices the catalogue again about the same trajectory, under another noise.
@@ -49,8 +48,9 @@ impl Pricing {
     /// # Errors
     /// When that noise leaves an innovation covariance that is not positive definite.
     pub fn reprice(&mut self, noise: Noise) -> Result<(), Error> {
-        let (base, prices) = noise::price(&self.recording, &noise).ok_or(Error::Indefinite { log: FIRST })?;
-        (self.noise, self.base, self.prices) = (noise, base, prices);
+        let (found, prices) =
+            noise::price(&self.recording, &noise).ok_or(Error::Indefinite { log: FIRST })?;
+        (self.noise, self.base, self.prices) = (noise, found.log_likelihood, prices);
         Ok(())
     }
 

@@ -1,8 +1,21 @@
 //! Products of dense matrices, row by row, for the linear runs.
 
+/// `sum + a b`; fused where the kernel is compiled for a processor that can.
+#[inline(always)]
+fn add<const FUSED: bool>(sum: f64, a: f64, b: f64) -> f64 {
+    if FUSED { a.mul_add(b, sum) } else { sum + a * b }
+}
+
 /// `out += a b`, a of `rows` x `inner`, b of `inner` x `cols`, two rows of b at a time.
-#[inline]
-pub(crate) fn multiply(a: &[f64], b: &[f64], rows: usize, inner: usize, cols: usize, out: &mut [f64]) {
+#[inline(always)]
+pub(crate) fn multiply<const FUSED: bool>(
+    a: &[f64],
+    b: &[f64],
+    rows: usize,
+    inner: usize,
+    cols: usize,
+    out: &mut [f64],
+) {
     for i in 0..rows {
         let out = &mut out[i * cols..(i + 1) * cols];
         let a = &a[i * inner..(i + 1) * inner];
@@ -15,14 +28,15 @@ pub(crate) fn multiply(a: &[f64], b: &[f64], rows: usize, inner: usize, cols: us
                 let b2 = &b[(k + 2) * cols..(k + 3) * cols];
                 let b3 = &b[(k + 3) * cols..(k + 4) * cols];
                 for j in 0..cols {
-                    out[j] += a0 * b0[j] + a1 * b1[j] + a2 * b2[j] + a3 * b3[j];
+                    let sum = add::<FUSED>(add::<FUSED>(out[j], a0, b0[j]), a1, b1[j]);
+                    out[j] = add::<FUSED>(add::<FUSED>(sum, a2, b2[j]), a3, b3[j]);
                 }
             }
             k += 4;
         }
         while k < inner {
             for (o, b) in out.iter_mut().zip(&b[k * cols..(k + 1) * cols]) {
-                *o += a[k] * b;
+                *o = add::<FUSED>(*o, a[k], *b);
             }
             k += 1;
         }
@@ -30,18 +44,25 @@ pub(crate) fn multiply(a: &[f64], b: &[f64], rows: usize, inner: usize, cols: us
 }
 
 /// `out -= a' b`, a of `rows` x `n`, b of `rows` x `cols`.
-#[inline]
-pub(crate) fn subtract_outer(a: &[f64], b: &[f64], rows: usize, n: usize, cols: usize, out: &mut [f64]) {
+#[inline(always)]
+pub(crate) fn subtract_outer<const FUSED: bool>(
+    a: &[f64],
+    b: &[f64],
+    rows: usize,
+    n: usize,
+    cols: usize,
+    out: &mut [f64],
+) {
     for i in 0..n {
         let out = &mut out[i * cols..(i + 1) * cols];
         let mut m = 0;
         while m + 3 <= rows {
-            let (a0, a1, a2) = (a[m * n + i], a[(m + 1) * n + i], a[(m + 2) * n + i]);
+            let (a0, a1, a2) = (-a[m * n + i], -a[(m + 1) * n + i], -a[(m + 2) * n + i]);
             let b0 = &b[m * cols..(m + 1) * cols];
             let b1 = &b[(m + 1) * cols..(m + 2) * cols];
             let b2 = &b[(m + 2) * cols..(m + 3) * cols];
             for j in 0..cols {
-                out[j] -= a0 * b0[j] + a1 * b1[j] + a2 * b2[j];
+                out[j] = add::<FUSED>(add::<FUSED>(add::<FUSED>(out[j], a0, b0[j]), a1, b1[j]), a2, b2[j]);
             }
             m += 3;
         }
@@ -56,7 +77,8 @@ pub(crate) fn subtract_outer(a: &[f64], b: &[f64], rows: usize, n: usize, cols: 
 }
 
 /// `out += rows' rows`, its upper triangle, rows of `cols`, four at a time.
-pub(crate) fn add_products(rows: &[f64], cols: usize, out: &mut [f64]) {
+#[inline(always)]
+pub(crate) fn add_products<const FUSED: bool>(rows: &[f64], cols: usize, out: &mut [f64]) {
     for i in 0..cols {
         let out = &mut out[i * cols + i..(i + 1) * cols];
         let mut four = rows.chunks_exact(4 * cols);
@@ -64,7 +86,8 @@ pub(crate) fn add_products(rows: &[f64], cols: usize, out: &mut [f64]) {
             let [a, b, c, d] = core::array::from_fn(|k| &four[k * cols + i..(k + 1) * cols]);
             let (a0, b0, c0, d0) = (a[0], b[0], c[0], d[0]);
             for ((((out, a), b), c), d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-                *out += a0 * a + b0 * b + c0 * c + d0 * d;
+                let sum = add::<FUSED>(add::<FUSED>(*out, a0, *a), b0, *b);
+                *out = add::<FUSED>(add::<FUSED>(sum, c0, *c), d0, *d);
             }
         }
         for row in four.remainder().chunks_exact(cols) {
@@ -74,12 +97,23 @@ pub(crate) fn add_products(rows: &[f64], cols: usize, out: &mut [f64]) {
     }
 }
 
-#[inline]
+/// In partial sums: one sum would wait for each product before the next.
+#[inline(always)]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let (a, a_rest) = a.as_chunks::<8>();
+    let (b, b_rest) = b.as_chunks::<8>();
+    let mut lanes = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        for l in 0..8 {
+            lanes[l] += a[l] * b[l];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    lanes.iter().sum::<f64>() + rest
 }
 
 /// Cholesky factor of `s`, applied to the rows of `yp` and `y`; `ln det s`, or nothing when it is not positive definite.
+#[inline(always)]
 pub(crate) fn whiten(
     s: &mut [f64],
     m: usize,

@@ -6,6 +6,8 @@ use calib_core::{
 use nalgebra::Vector3;
 use sinscal::{Event, Observer, Point, Signals, Strapdown};
 
+use crate::products::{dot, multiply};
+
 /// Leading states of a strapdown filter: attitude, velocity, position.
 pub(crate) const CORE: usize = 9;
 const SQUARE: usize = CORE * CORE;
@@ -96,7 +98,7 @@ impl Recording {
         let mut steps = Vec::with_capacity(self.steps.len() / keep + 1);
         let mut open = Interval::new(self.columns.len());
         for (i, step) in self.steps.iter().enumerate() {
-            open.append(&step.rows, &step.gyro_noise, &step.accel_noise, step.elapsed);
+            open.append(step.rows.clone(), &step.gyro_noise, &step.accel_noise, step.elapsed);
             if i % keep == 0 {
                 let mut kept =
                     Step { h: step.h.clone(), z: step.z.clone(), r: step.r.clone(), ..step.clone() };
@@ -111,7 +113,10 @@ impl Recording {
 /// Steps of the leading states joined into one.
 struct Interval {
     width: usize,
+    /// Empty before the first step.
     rows: Vec<f64>,
+    /// What was fed back before the first step.
+    known: [f64; CORE],
     gyro_noise: [f64; SQUARE],
     accel_noise: [f64; SQUARE],
     elapsed: f64,
@@ -119,62 +124,54 @@ struct Interval {
 
 impl Interval {
     fn new(parameters: usize) -> Self {
-        let width = CORE + parameters + 1;
-        let mut new = Self {
-            width,
+        Self {
+            width: CORE + parameters + 1,
             rows: Vec::new(),
+            known: [0.0; CORE],
             gyro_noise: [0.0; SQUARE],
             accel_noise: [0.0; SQUARE],
             elapsed: 0.0,
-        };
-        new.reset();
-        new
-    }
-
-    fn reset(&mut self) {
-        self.rows = vec![0.0; CORE * self.width];
-        for i in 0..CORE {
-            self.rows[i * self.width + i] = 1.0;
         }
-        self.gyro_noise = [0.0; SQUARE];
-        self.accel_noise = [0.0; SQUARE];
-        self.elapsed = 0.0;
     }
 
     /// What has been joined; the interval starts anew.
     fn take(&mut self) -> (Vec<f64>, [f64; SQUARE], [f64; SQUARE], f64) {
-        let rows = core::mem::take(&mut self.rows);
-        let all = (rows, self.gyro_noise, self.accel_noise, self.elapsed);
-        self.reset();
-        all
-    }
-
-    fn append(&mut self, rows: &[f64], gyro: &[f64; SQUARE], accel: &[f64; SQUARE], elapsed: f64) {
         let w = self.width;
-        let mut joined = vec![0.0; CORE * w];
-        for i in 0..CORE {
-            let out = &mut joined[i * w..(i + 1) * w];
-            for k in 0..CORE {
-                let a = rows[i * w + k];
-                if a != 0.0 {
-                    for (o, v) in out.iter_mut().zip(&self.rows[k * w..(k + 1) * w]) {
-                        *o += a * v;
-                    }
-                }
-            }
-            for j in CORE..w {
-                out[j] += rows[i * w + j];
+        let new = Self::new(w - CORE - 1);
+        let Self { mut rows, known, gyro_noise, accel_noise, elapsed, .. } = core::mem::replace(self, new);
+        if rows.is_empty() {
+            rows.resize(CORE * w, 0.0);
+            for i in 0..CORE {
+                rows[i * w + i] = 1.0;
+                rows[i * w + w - 1] = known[i];
             }
         }
-        self.gyro_noise = moved_noise(rows, w, &self.gyro_noise, gyro);
-        self.accel_noise = moved_noise(rows, w, &self.accel_noise, accel);
-        self.rows = joined;
+        (rows, gyro_noise, accel_noise, elapsed)
+    }
+
+    fn append(&mut self, mut rows: Vec<f64>, gyro: &[f64; SQUARE], accel: &[f64; SQUARE], elapsed: f64) {
+        let w = self.width;
+        self.gyro_noise = moved_noise(&rows, w, &self.gyro_noise, gyro);
+        self.accel_noise = moved_noise(&rows, w, &self.accel_noise, accel);
         self.elapsed += elapsed;
+        for row in rows.chunks_exact_mut(w) {
+            let (phi, rest) = row.split_at_mut(CORE);
+            if self.rows.is_empty() {
+                rest[w - CORE - 1] += dot(phi, &self.known);
+                continue;
+            }
+            let phi: [f64; CORE] = core::array::from_fn(|k| core::mem::take(&mut phi[k]));
+            multiply::<false>(&phi, &self.rows, 1, CORE, w, row);
+        }
+        self.rows = rows;
     }
 
     fn feed_back(&mut self, correction: &[f64]) {
         for i in 0..CORE {
-            self.rows[(i + 1) * self.width - 1] -= correction[i];
+            match self.rows.get_mut((i + 1) * self.width - 1) {
+                Some(known) => *known -= correction[i],
+                None => self.known[i] -= correction[i],
+            }
         }
     }
 }
@@ -243,9 +240,10 @@ impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Recorder<F> {
 impl<F: Filter<Dynamics = Strapdown>> Recorder<F> {
     fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
         let w = self.open.width;
-        let mut rows = vec![0.0; CORE * w];
+        let mut rows = Vec::with_capacity(CORE * w);
         for i in 0..CORE {
-            rows[i * w..i * w + w - 1].copy_from_slice(transition.rows()[i].as_slice());
+            rows.extend_from_slice(transition.rows()[i].as_slice());
+            rows.push(0.0);
         }
         let part = |range: core::ops::Range<usize>| {
             let mut d = F::Shape::core_vector(0.0);
@@ -259,7 +257,7 @@ impl<F: Filter<Dynamics = Strapdown>> Recorder<F> {
             }
             flat
         };
-        self.open.append(&rows, &part(0..3), &part(3..6), transition.elapsed());
+        self.open.append(rows, &part(0..3), &part(3..6), transition.elapsed());
     }
 
     fn measured(
@@ -277,7 +275,7 @@ impl<F: Filter<Dynamics = Strapdown>> Recorder<F> {
             rows,
             gyro_noise,
             accel_noise,
-            h: Vec::new(),
+            h: Vec::with_capacity(self.channels.len() * (F::Shape::STATES)),
             z: Vec::new(),
             r: Vec::new(),
             channel: Vec::new(),

@@ -6,7 +6,7 @@ use sinscal::Sample;
 
 use crate::decide::Decision;
 use crate::error::{Error, FIRST, SECOND, SceneError};
-use crate::linear::{FreeRun, Recorded, run_free};
+use crate::linear::{FreeRun, Noise, Recorded, run_free};
 use crate::log::Log;
 use crate::parallel::both;
 use crate::report::{Diagnosis, Gap, Horizontal, LogGap};
@@ -30,8 +30,9 @@ impl Pair {
         log: &Log,
         scene: &Scene,
     ) -> Result<Self, SceneError> {
-        let before = machine.run(log, &|_| 0.0)?;
-        let after = machine.run(log, &|block| added.iter().find(|a| a.0 == block).map_or(0.0, |a| a.1))?;
+        let before = machine.rerun(log, &Noise::STATED, &|_| 0.0)?;
+        let size = |block: &str| added.iter().find(|a| a.0 == block).map_or(0.0, |a| a.1);
+        let after = machine.rerun(log, &Noise::STATED, &size)?;
         let (start, end) = before.recording.span();
         let horizon = ((end - start) / 40.0).min(60.0);
         let measure = |ran: &Ran| -> Result<(f64, f64, (f64, &'static str)), SceneError> {
@@ -64,15 +65,14 @@ impl Pair {
     /// Values of an added block.
     fn values(&self, block: &str) -> Vec<f64> {
         let columns = self.after.recording.columns().iter().zip(&self.after.estimate);
-        columns.filter(|(c, _)| c.info.block == block && !c.base).map(|(_, e)| e.0).collect()
+        columns.filter(|(c, _)| c.info.block == block && !c.base).map(|(_, e)| *e).collect()
     }
 }
 
 /// Largest horizontal error, m, of `log` navigated free-inertially with the parameters that a run found.
 fn navigated(machine: &dyn Machine, log: &Log, (first, last): (f64, f64), ran: &Ran) -> Option<f64> {
     let until = first + ALIGNMENT.min(0.25 * (last - first));
-    let values: Vec<f64> = ran.estimate.iter().map(|e| e.0).collect();
-    let mut pilot = machine.pilot(log.setup, &values);
+    let mut pilot = machine.pilot(log.setup, &ran.estimate);
     // the alignment gives the solution at its beginning, smoothed: from there the same samples are navigated
     let mut lost = false;
     let align = &mut |sample: &Sample| {

@@ -27,7 +27,7 @@ impl Wider {
     fn widen(&mut self, ran: &Ran) -> bool {
         let before = self.clone();
         let mut any = false;
-        for (column, (estimate, _)) in ran.recording.columns().iter().zip(&ran.estimate) {
+        for (column, estimate) in ran.recording.columns().iter().zip(&ran.estimate) {
             if column.base || column.prior <= 0.0 || estimate.abs() <= BEYOND * column.prior {
                 continue;
             }
@@ -67,7 +67,8 @@ impl Scene {
         let mut wider = Wider::default();
         let mut widened = 0;
         let ran = loop {
-            let ran = machine.run(log, &|block| if takes(block) { wider.factor(block) } else { 0.0 })?;
+            let size = |block: &str| if takes(block) { wider.factor(block) } else { 0.0 };
+            let ran = machine.run(log, &Noise::STATED, &size)?;
             if widened == WIDENINGS || !wider.widen(&ran) {
                 break ran;
             }

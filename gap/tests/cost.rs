@@ -36,5 +36,5 @@ fn pricing_beside_one_pass() {
     println!("{} samples, {} effects; the last column in passes", samples.len(), prices.effects().count());
     print("one pass of 36d-p", pass);
     print("pricing from the record of a pass", pricing);
-    print("recording with every effect in the filter, and pricing", whole);
+    print("recording with every effect's columns, and pricing", whole);
 }

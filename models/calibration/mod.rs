@@ -1,6 +1,7 @@
 //! The closed-loop calibration run: navigation, sensitivities and filter over a log.
 
 mod estimates;
+mod known;
 mod update;
 
 use calib_core::{
@@ -8,6 +9,7 @@ use calib_core::{
 };
 use nalgebra::{Matrix3, Vector3};
 
+pub use self::known::Known;
 use self::update::has_reference;
 use crate::compensation::Compensator;
 use crate::gate::Gate;
@@ -44,7 +46,7 @@ pub struct Calibration<F: Filter<Dynamics = Strapdown>, C: Form = Conventional> 
     prior: Vector<F, f64>,
     lever_at: Option<usize>,
     /// Steers the navigation of a further pass: the same filter without any doubt of the parameters.
-    pilot: Option<Kalman<F, f64, C>>,
+    pilot: Option<Kalman<F, f64, Known>>,
     compensator: Compensator,
     navigation: NavigationState<f64>,
     before: Before<f64>,
@@ -173,11 +175,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             // a parameter state is truth - estimate, and the prior's mean of the truth is zero
             self.kalman.x_mut()[i] = -self.parameters[i];
         }
-        let mut known = self.prior.clone();
-        for i in F::Shape::CORE..F::Shape::STATES {
-            known[i] = 0.0;
-        }
-        self.pilot = Some(Kalman::new(&known));
+        self.pilot = Some(Kalman::new(&self.prior));
         self.transition.reset();
         self.compensator = Compensator::new(self.setup.reference_temperature);
         self.navigation = NavigationState::at_rest(&self.setup.site, self.setup.initial.attitude);
@@ -200,6 +198,11 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             self.kalman.x_mut()[i] = 0.0;
         }
         self.pilot = None;
+    }
+
+    /// Judges the reference in the next pass by how its readings were spread in one of another filter over the same log.
+    pub fn judge_after<G: Filter<Dynamics = Strapdown>, K: Form>(&mut self, before: &Calibration<G, K>) {
+        self.gate = before.gate;
     }
 
     /// Takes in the next sample. Returns what the update found where there was one.
@@ -316,13 +319,13 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
     fn feed_back(&mut self, parameters: bool, observer: &mut impl Observer<F>) {
         let mut correction = F::Shape::vector(0.0);
         let last = if parameters { F::Shape::STATES } else { F::Shape::CORE };
-        let steering = self.pilot.as_ref().unwrap_or(&self.kalman);
+        let steering = self.pilot.as_ref().map_or(self.kalman.x(), Kalman::x);
         for i in 0..last {
-            correction[i] = steering.x()[i];
+            correction[i] = steering[i];
         }
-        for filter in [Some(&mut self.kalman), self.pilot.as_mut()].into_iter().flatten() {
+        for x in [Some(self.kalman.x_mut()), self.pilot.as_mut().map(Kalman::x_mut)].into_iter().flatten() {
             for i in 0..last {
-                filter.x_mut()[i] -= correction[i];
+                x[i] -= correction[i];
             }
         }
         let part =
