@@ -8,7 +8,8 @@ use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::support::{Done, TURNS};
+use crate::guide::TURNS;
+use crate::support::Done;
 
 /// The browser, where there is one.
 fn chromium() -> Option<&'static str> {

@@ -6,8 +6,21 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use crate::support::{Done, TURNS, Table};
+use crate::support::{Done, Table};
 
+/// Turns about all axes in four minutes.
+pub(crate) const TURNS: &str = r#"
+[imu]
+rate = "10 Hz"
+[motion]
+path = "turns"
+still = "60 s"
+dwell = "20 s"
+turns = [
+  { axis = "x", angle = "90 deg" }, { axis = "y", angle = "90 deg" }, { axis = "z", angle = "90 deg" },
+  { axis = "x", angle = "180 deg" }, { axis = "y", angle = "180 deg" }, { axis = "z", angle = "180 deg" },
+]
+"#;
 /// What takes minutes is tested elsewhere.
 const LONG: [&str; 4] = ["demo", "campaign", "paper", "diagnose --self-test"];
 

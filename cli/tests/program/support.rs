@@ -1,4 +1,4 @@
-//! Small logs for tests, as CSV and as Parquet; a short scenario.
+//! Small logs for tests, as CSV and as Parquet.
 
 use std::error::Error;
 use std::fs::{self, File};
@@ -13,20 +13,6 @@ pub(crate) type Done = Result<(), Box<dyn Error>>;
 
 /// Sampling rate of the tables, Hz.
 pub(crate) const RATE: f64 = 50.0;
-
-/// Turns about all axes in four minutes.
-pub(crate) const TURNS: &str = r#"
-[imu]
-rate = "10 Hz"
-[motion]
-path = "turns"
-still = "60 s"
-dwell = "20 s"
-turns = [
-  { axis = "x", angle = "90 deg" }, { axis = "y", angle = "90 deg" }, { axis = "z", angle = "90 deg" },
-  { axis = "x", angle = "180 deg" }, { axis = "y", angle = "180 deg" }, { axis = "z", angle = "180 deg" },
-]
-"#;
 
 /// A sound description for a table of this module.
 pub(crate) const DESCRIPTION: &str = r#"# A unit at rest
