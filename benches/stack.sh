@@ -33,15 +33,15 @@ status=0
 while IFS='|' read -r what kernel caller; do
     kernel=$(largest "$kernel") caller=$(largest "$caller")
     printf '%-26s %5d + %4d = %5d bytes with its caller\n' "$what" "$kernel" "$caller" $((kernel + caller))
-    # a name that is not found any more shall not pass
+    # a name that is not found any more shall not pass; a filter with a form of its own, as the pilot, is not the caller
     if ((kernel == 0 || caller == 0 || kernel + caller >= 8000)); then
         status=1
     fi
 done << 'END'
-conventional, propagation|conventional::Conventional as .*::propagate<.*Dim<43, 9, .>|Kalman<.*>>::predict$
-conventional, update|conventional::Conventional as .*::update<.*Dim<43, 9, 6>|Kalman<.*>>::update$
-UD, propagation|ud::Ud as .*::propagate<.*Dim<43, 9, .>|Kalman<.*>>::predict$
-UD, update|ud::Ud as .*::update<.*Dim<43, 9, 6>|Kalman<.*>>::update$
+conventional, propagation|conventional::Conventional as .*::propagate<.*Dim<43, 9, .>|Kalman<[^,]*>>::predict$
+conventional, update|conventional::Conventional as .*::update<.*Dim<43, 9, 6>|Kalman<[^,]*>>::update$
+UD, propagation|ud::Ud as .*::propagate<.*Dim<43, 9, .>|Kalman<[^,]*>>::predict$
+UD, update|ud::Ud as .*::update<.*Dim<43, 9, 6>|Kalman<[^,]*>>::update$
 step of [Phi Psi]|Transition<.*>>::advance::|Transition<.*>>::advance$
 END
 exit $status
