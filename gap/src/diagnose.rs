@@ -122,7 +122,7 @@ fn workflow(
     let log = &Log { setup: &setup, ..*log };
     let verify = verify.zip(there_setup.as_ref()).map(|(log, setup)| Log { setup, ..*log });
     let verify = verify.as_ref();
-    progress("running the filter with every effect", 0.05);
+    progress("recording a pass with every effect", 0.05);
     let (second, first) = both(
         || verify.zip(there.as_ref()).map(|(log, survey)| Scene::new(machine, log, survey)),
         || Scene::new(machine, log, &here),
