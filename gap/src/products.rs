@@ -6,7 +6,7 @@ fn add<const FUSED: bool>(sum: f64, a: f64, b: f64) -> f64 {
     if FUSED { a.mul_add(b, sum) } else { sum + a * b }
 }
 
-/// `out += a b`, a of `rows` x `inner`, b of `inner` x `cols`, two rows of b at a time.
+/// `out += a b`, a of `rows` x `inner`, b of `inner` x `cols`, four rows of b at a time.
 #[inline(always)]
 pub(crate) fn multiply<const FUSED: bool>(
     a: &[f64],
@@ -157,4 +157,65 @@ pub(crate) fn whiten(
         }
     }
     Some(log_det)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wave(length: usize, seed: usize) -> Vec<f64> {
+        (0..length).map(|i| ((i * 31 + seed * 17) as f64).sin()).collect()
+    }
+
+    fn assert_close(got: &[f64], want: &[f64]) {
+        assert!(got.iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-13), "{got:?}, {want:?}");
+    }
+
+    /// Fused or not, with and without what is left over where rows are taken several at a time.
+    fn follows_the_definition<const FUSED: bool>() {
+        for (rows, inner, cols) in [(6, 9, 11), (3, 8, 5), (1, 2, 1), (5, 7, 8)] {
+            let (mut a, b) = (wave(rows * inner, 1), wave(inner * cols, 2));
+            a[..inner.min(4)].fill(0.0);
+            let mut out = wave(rows * cols, 3);
+            let mut want = out.clone();
+            for (i, j, k) in (0..rows * cols * inner).map(|n| (n / inner / cols, n / inner % cols, n % inner))
+            {
+                want[i * cols + j] += a[i * inner + k] * b[k * cols + j];
+            }
+            multiply::<FUSED>(&a, &b, rows, inner, cols, &mut out);
+            assert_close(&out, &want);
+
+            // `out -= a' b` of as many rows
+            let (a, b) = (wave(rows * inner, 4), wave(rows * cols, 5));
+            let mut out = wave(inner * cols, 6);
+            let mut want = out.clone();
+            for (i, j, k) in (0..inner * cols * rows).map(|n| (n / rows / cols, n / rows % cols, n % rows)) {
+                want[i * cols + j] -= a[k * inner + i] * b[k * cols + j];
+            }
+            subtract_outer::<FUSED>(&a, &b, rows, inner, cols, &mut out);
+            assert_close(&out, &want);
+
+            // `out += a' a`, the upper triangle
+            let a = wave(rows * inner, 9);
+            let mut out = wave(inner * inner, 10);
+            let mut want = out.clone();
+            for (i, j, k) in (0..inner * inner * rows).map(|n| (n / rows / inner, n / rows % inner, n % rows))
+            {
+                want[i * inner + j] += if j < i { 0.0 } else { a[k * inner + i] * a[k * inner + j] };
+            }
+            add_products::<FUSED>(&a, inner, &mut out);
+            for i in 0..inner {
+                assert_close(&out[i * inner + i..(i + 1) * inner], &want[i * inner + i..(i + 1) * inner]);
+            }
+
+            let (a, b) = (wave(inner, 7), wave(inner, 8));
+            assert_close(&[dot(&a, &b)], &[(0..inner).map(|k| a[k] * b[k]).sum()]);
+        }
+    }
+
+    #[test]
+    fn products_follow_their_definition() {
+        follows_the_definition::<false>();
+        follows_the_definition::<true>();
+    }
 }

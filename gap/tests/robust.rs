@@ -133,7 +133,7 @@ fn diagnosed(odd: &Oddity, hidden: Option<(&str, f64)>) -> Diagnosis {
     .unwrap()
 }
 
-/// Prints a line for each; five minutes.
+/// Prints a line for each; a minute and a half on two idle cores.
 #[test]
 #[ignore = "sixty diagnoses: run with --release -- --ignored --nocapture"]
 fn odd_logs_get_no_false_name() {

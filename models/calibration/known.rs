@@ -4,7 +4,8 @@ use calib_core::{Array, Fade, Form, Real, Shape, Whitened};
 
 /// The covariance of the leading states alone: the parameters are exactly what they are said to be, and their states zero.
 ///
-/// With priors of zero for the parameters every other form says the same, and takes the time of all states for it.
+/// With priors of zero for the parameters every other form says the same, and takes the time of all states for it; but for
+/// parameters that relax, to which those add noise: here they stay what they are said to be.
 #[derive(Clone, Copy, Debug)]
 pub struct Known;
 
