@@ -4,8 +4,8 @@ use miette::Result;
 use rayon::prelude::*;
 use sinscal::Sample;
 
-use crate::log::Log;
 use crate::say::progress_bar;
+use logs::Log;
 
 /// Samples handed over at a time: enough to make a thread's while, few enough to stay in the cache.
 const CHUNK: usize = 8192;

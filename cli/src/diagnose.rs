@@ -10,11 +10,11 @@ use gap::{Diagnosis, LogGap, Options, ReadError, Samples, Verdict};
 use miette::{IntoDiagnostic, Result, miette};
 use sinscal::{FilterInfo, InitialAttitude, Sample};
 
-use crate::arguments::{self, Results};
-use crate::log::{ColumnMap, Log, LogError};
+use crate::arguments::{self, Columns, Results};
 use crate::report::diagnosis::{self, tenths};
 use crate::report::inputs::Inputs;
 use crate::{say, self_test, setup};
+use logs::{ColumnMap, Log, LogError};
 
 /// Name of the Rust file with the extended filter.
 const DECLARATION: &str = "extended_filter.rs";
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     #[arg(required_unless_present = "self_test")]
     log: Option<PathBuf>,
     #[command(flatten)]
-    columns: ColumnMap,
+    columns: Columns,
     /// The filter to begin with; `sinscal filters` describes them
     #[arg(long, value_name = "NAME", ignore_case = true, required_unless_present = "self_test",
           value_parser = arguments::filter())]
@@ -100,8 +100,8 @@ impl Arguments {
             // the parser of the command line lets nothing else through
             _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, &target),
         };
-        let first = Reread::new(log, &self.columns)?;
-        let second = self.verify.as_deref().map(|log| Reread::new(log, &self.columns)).transpose()?;
+        let first = Reread::new(log, &self.columns.map())?;
+        let second = self.verify.as_deref().map(|log| Reread::new(log, &self.columns.map())).transpose()?;
 
         let first_setup = setup::of(&first.log, first.initial);
         let second_setup = second.as_ref().map(|second| setup::of(&second.log, second.initial));

@@ -17,7 +17,6 @@ mod export;
 mod figures;
 mod filters;
 mod history;
-mod log;
 mod navigate;
 mod observe;
 mod output;
@@ -144,7 +143,7 @@ fn complain(error: &dyn Diagnostic) {
 fn quiet_decoder() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        if !log::decoding() {
+        if !logs::decoding() {
             usual(panic);
         }
     }));

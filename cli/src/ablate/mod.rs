@@ -67,7 +67,7 @@ impl Arguments {
         let target = self.results.target()?;
         let log = self.log.open()?;
         let swing =
-            self.swing.as_deref().map(|swing| arguments::open(swing, &self.log.columns)).transpose()?;
+            self.swing.as_deref().map(|swing| arguments::open(swing, &self.log.columns.map())).transpose()?;
         let fits = run::calibrate(&log, self.passes)?;
         let (statistics, calibrations): (Vec<_>, Vec<_>) = fits
             .into_iter()

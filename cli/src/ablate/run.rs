@@ -7,9 +7,9 @@ use sinscal::{
 };
 
 use crate::broadcast::{Reader, broadcast};
-use crate::log::Log;
 use crate::navigate::run::{Calibrated, Values};
 use crate::setup;
+use logs::Log;
 
 /// The five filters of the paper, in the order of its table 3.
 pub(crate) const FILTERS: [&str; 5] = ["36d-p", "39d-p", "40d-p", "43d-p", "43d-b"];

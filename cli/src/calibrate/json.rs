@@ -9,7 +9,7 @@ use sinscal::{CoarseCalibration, FilterInfo, Smoothed};
 
 use super::refusals::Stretch;
 use super::run::{Options, Outcome};
-use crate::log::Log;
+use logs::Log;
 
 /// `calibrate --json`.
 #[derive(Serialize)]

@@ -10,13 +10,13 @@ mod text;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
+use logs::units::DEGREE;
 use miette::{Result, miette};
-use rig::units::DEGREE;
 use sinscal::{Coarse, Parameter, UnknownPulses};
 
 use crate::arguments::{self, FilterArgument, LogArgument, Results};
-use crate::log::Log;
 use crate::{say, setup};
+use logs::Log;
 
 /// What its help ends with.
 const EXAMPLES: &str = "\
@@ -98,7 +98,7 @@ impl Arguments {
         let started = Instant::now();
         let target = self.results.target()?;
         let filter = self.filter.filter;
-        let mut log = Log::open_counting(&self.log.log, &self.log.columns)?;
+        let mut log = Log::open_counting(&self.log.log, &self.log.columns.map())?;
         arguments::tell(&log);
         log.bridge_gaps(self.bridge_gaps);
         if self.coarse || log.unknown_pulses() != UnknownPulses::default() {

@@ -6,9 +6,9 @@ use sinscal::{FilterInfo, StateInfo};
 use super::run::{Options, Outcome};
 use super::text;
 use crate::figures::significant;
-use crate::log::Log;
 use crate::report::inputs::Inputs;
 use crate::report::{Report, Tone, origin, parts};
+use logs::Log;
 
 /// Everything about a calibration, in the order a reviewer reads.
 pub(super) fn report(log: &Log, filter: &FilterInfo, options: Options, outcome: &Outcome) -> Result<Report> {

@@ -11,8 +11,8 @@ use super::Form;
 use super::refusals::{Refusals, Stretch};
 use super::tape::FileTape;
 use crate::history::History;
-use crate::log::{Bridged, Log};
 use crate::{say, setup};
+use logs::{Bridged, Log};
 
 /// What to look at when a filter breaks down over a log whose every row is plausible.
 const DIVERGED: &str = "look at that time in the log; and at [prior] and [initial] of its description: a sigma that is far too wide \

@@ -8,7 +8,7 @@ use sinscal::{CoarseCalibration, Parameter, Site, Smoothed, Statistics};
 
 use super::run::Outcome;
 use crate::figures::{decimals, significant};
-use crate::log::Log;
+use logs::Log;
 
 /// So many stretches of refused readings are listed.
 const DESCRIBED: usize = 20;

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use logs::suggest;
 use miette::{Result, miette};
-use rig::suggest;
 use serde_json::Value;
 use sinscal::{Filter, FilterVisitor, StateInfo, Strapdown, visit_filter};
 
@@ -169,11 +169,15 @@ fn kind(value: &Value) -> &'static str {
 }
 
 #[cfg(test)]
+#[path = "../../../tests/common/damage.rs"]
+mod damage;
+
+#[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
+    use super::damage::damaged;
     use super::*;
-    use crate::log::fuzz::damage::damaged;
 
     /// A calibration that found nothing.
     fn sound() -> Vec<u8> {

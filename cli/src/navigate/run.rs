@@ -6,8 +6,8 @@ use sinscal::navigation::{Drift, NAUTICAL_MILE, Pilot, pilot};
 use sinscal::{InitialAttitude, Sample, StateInfo};
 
 use crate::broadcast::{self, Reader};
-use crate::log::Log;
 use crate::setup;
+use logs::Log;
 
 /// Points kept of the error over time.
 const POINTS: usize = 4096;

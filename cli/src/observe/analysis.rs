@@ -11,8 +11,8 @@ use sinscal::{
     Sins39P, Sins40P, Sins43P, StateInfo, Strapdown,
 };
 
-use crate::log::Log;
 use crate::{say, setup};
+use logs::Log;
 
 /// Time spans over which degrees are compared, as in figure 5 of the paper.
 pub(crate) const SPANS: usize = 5;

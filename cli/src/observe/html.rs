@@ -8,9 +8,9 @@ use super::analysis::{Analysis, SPANS};
 use super::report::{figure as curves, name, verdict};
 use crate::draw::{Curve, Figure, Style};
 use crate::figures::significant;
-use crate::log::Log;
 use crate::report::inputs::Inputs;
 use crate::report::{Cell, Item, Report, Section, Table, Tone, number, text};
+use logs::Log;
 
 /// Degrees from the first, the lightest field of the map, to the second, the darkest.
 const SHADES: [f64; 2] = [1e-2, 1e4];

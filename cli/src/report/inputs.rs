@@ -6,7 +6,7 @@ use sinscal::Sample;
 
 use super::Section;
 use crate::draw::{Curve, Figure, Style};
-use crate::log::Log;
+use logs::Log;
 
 /// More stretches are joined in pairs.
 const CAPACITY: usize = 2048;

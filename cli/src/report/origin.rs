@@ -9,7 +9,7 @@ use miette::{Result, miette};
 use sha2::{Digest, Sha256};
 
 use super::Report;
-use crate::log::Log;
+use logs::Log;
 
 /// What a log's `NAME.truth.json` says, where there is one beside it.
 pub(crate) fn truth_beside(log: &Log) -> Result<Option<rig::Truth>> {

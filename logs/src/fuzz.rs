@@ -9,7 +9,7 @@ use self::damage::damaged;
 use super::tests::support::{DESCRIPTION, Table};
 use super::{ColumnMap, Log};
 
-#[path = "../../../tests/common/damage.rs"]
+#[path = "../../tests/common/damage.rs"]
 pub(crate) mod damage;
 
 /// Rows of the sound table; no damage of a few bytes makes many more of it.

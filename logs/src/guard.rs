@@ -8,7 +8,7 @@ thread_local! {
 }
 
 /// Whether this thread is inside a decoder, whose panics are caught and reported as a damaged file.
-pub(crate) fn decoding() -> bool {
+pub fn decoding() -> bool {
     DECODING.get()
 }
 

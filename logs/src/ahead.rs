@@ -13,19 +13,19 @@ const CHUNK: usize = 512;
 const WAITING: usize = 4;
 
 /// Some consecutive samples of a log.
-pub(crate) struct Chunk {
-    pub(crate) samples: Vec<Sample>,
+pub struct Chunk {
+    pub samples: Vec<Sample>,
     /// How far reading had come after them, out of the log's size.
-    pub(crate) position: u64,
+    pub position: u64,
     /// What was put into gaps up to there.
-    pub(crate) bridged: Bridged,
+    pub bridged: Bridged,
 }
 
 /// The end of the log is told in so many words: a thread that breaks off must not pass for it.
 type Message = Option<Result<Chunk, LogError>>;
 
 /// The chunks of a log in order; ends after the first error. The same samples as [`Samples`] gives.
-pub(crate) struct Ahead {
+pub struct Ahead {
     receiver: Receiver<Message>,
     ended: bool,
 }

@@ -8,7 +8,7 @@ use sinscal::Sample;
 use super::{Bridged, ColumnMap, LogError};
 use support::{DESCRIPTION, Done, RATE, Table};
 
-#[path = "../../tests/program/support.rs"]
+#[path = "../../cli/tests/program/support.rs"]
 pub(super) mod support;
 
 /// Opens a log whose columns go by the names of the format.

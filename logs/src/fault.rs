@@ -17,7 +17,7 @@ const TOLD: usize = 20;
 #[derive(Debug, Error, Diagnostic)]
 #[error(transparent)]
 #[diagnostic(transparent)]
-pub(crate) struct LogError(Box<Fault>);
+pub struct LogError(Box<Fault>);
 
 #[derive(Debug, Error, Diagnostic)]
 #[error("{message}")]
@@ -65,7 +65,7 @@ impl LogError {
     }
 
     /// A fault of a file as a whole.
-    pub(crate) fn file(path: &Path, problem: impl Display) -> Self {
+    pub fn file(path: &Path, problem: impl Display) -> Self {
         Self::new(format!("{}: {problem}", path.display()))
     }
 

@@ -28,7 +28,7 @@ pub fn hint<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clon
 }
 
 /// All the names, and the one that was meant if one is near: what follows `accepted:`.
-pub(crate) fn accepted<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> String {
+pub fn accepted<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> String {
     let all = candidates.clone().into_iter().collect::<Vec<_>>().join(", ");
     match nearest(name, candidates) {
         Some(near) => format!("{all} (did you mean `{near}`?)"),

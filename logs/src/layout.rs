@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rig::suggest;
+use crate::suggest;
 
 use super::columns::{Batch, Group, NAMES};
 use super::fault::{LogError, shown};

@@ -30,7 +30,7 @@ const READABLE: &[&str] = &[
 ];
 
 fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/formats").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../cli/tests/formats").join(name)
 }
 
 /// The samples of a table with this description beside it.
@@ -231,7 +231,7 @@ mod damage {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::log::fuzz::damage::damaged;
+    use crate::fuzz::damage::damaged;
 
     /// Reads a damaged table to its end or its first fault.
     fn survives(damaged: &[u8], name: &str) -> Result<(), TestCaseError> {

@@ -6,31 +6,24 @@
 
 use std::str::FromStr;
 
-use rig::{suggest, units};
+use crate::{suggest, units};
 
 use super::columns::{Group, NAMES};
 
 /// No selection of columns is longer.
 const MOST_COLUMNS: usize = 16;
 
-/// Which variables of a file are the columns of the log format
-#[derive(clap::Args, Clone, Debug, Default)]
-pub(crate) struct ColumnMap {
-    /// Names and units of the columns in a file that others wrote, such as gyro=wm,accel=acc:m/s^2,time=t
-    ///
-    /// Left stands a column of the log format (dtheta_x) or all of a kind: time, gyro, accel, gyro_pulse, accel_pulse, temp,
-    /// temp_gyro, dither, ref_vel, ref_pos, ref_quat. Right stands the file's variable, and after it, where needed, its columns,
-    /// counted from 0, and its unit; a minus before it turns the sign. What holds rates (deg/s, rad/s, g, m/s^2) becomes
-    /// increments by the time between rows. The same map serves every log of the command. Not needed for the names of the format,
-    /// nor for the seven columns [wm vm t] of PSINS in a MATLAB, NumPy or HDF5 file.
-    ///
-    ///   --map gyro=wm,accel=vm,time=t           three arrays
-    ///   --map gyro=imu[0:3],accel=imu[3:6]:g    columns of one array, forces in g
-    ///   --map gyro=w:deg/s,time=t:ms            columns w_x, w_y, w_z (or wx, w.x ...) of a table
-    ///   --map ref_quat=q[3,0,1,2]               the scalar comes last in the file
-    ///   --map dtheta_x=w[1],dtheta_y=w[0],dtheta_z=-w[2]    from forward-right-down
-    #[arg(long = "map", value_name = "NAME=VARIABLE,...", verbatim_doc_comment, value_parser = parse)]
+/// Which variables of a file are the columns of the log format.
+#[derive(Clone, Debug, Default)]
+pub struct ColumnMap {
     maps: Vec<Map>,
+}
+
+/// One map after the other.
+impl FromIterator<ColumnMap> for ColumnMap {
+    fn from_iter<I: IntoIterator<Item = ColumnMap>>(maps: I) -> Self {
+        Self { maps: maps.into_iter().flat_map(|map| map.maps).collect() }
+    }
 }
 
 impl ColumnMap {
@@ -45,7 +38,6 @@ impl ColumnMap {
     }
 }
 
-#[cfg(test)]
 impl FromStr for ColumnMap {
     type Err = String;
 

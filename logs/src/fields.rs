@@ -8,7 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::fault::LogError;
-use rig::suggest;
+use crate::suggest;
 
 /// A document being read, with the faults found so far.
 pub(super) struct Document<'a> {

@@ -17,7 +17,8 @@ pub const DEG_PER_SQRT_HOUR: f64 = DEG / 60.0;
 /// Units of one dimension with their size in the first of them, the SI unit.
 pub type Units = &'static [(&'static str, f64)];
 
-pub(crate) const FREQUENCY: Units = &[("Hz", 1.0), ("kHz", 1e3)];
+/// Units of a frequency.
+pub const FREQUENCY: Units = &[("Hz", 1.0), ("kHz", 1e3)];
 /// Units of time.
 pub const TIME: Units = &[
     ("s", 1.0),
@@ -37,29 +38,35 @@ pub const ANGLE: Units = &[
     ("arcmin", DEG / 60.0),
     ("arcsec", DEG / 3600.0),
 ];
-pub(crate) const RATIO: Units = &[("1", 1.0), ("%", 1e-2), ("ppm", 1e-6)];
+/// Units of a ratio.
+pub const RATIO: Units = &[("1", 1.0), ("%", 1e-2), ("ppm", 1e-6)];
 /// Units of length.
 pub const LENGTH: Units = &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3)];
 /// Units of velocity.
 pub const VELOCITY: Units = &[("m/s", 1.0), ("mm/s", 1e-3), ("um/s", 1e-6)];
 /// Units of angular rate.
 pub const ANGULAR_RATE: Units = &[("rad/s", 1.0), ("mrad/s", 1e-3), ("deg/s", DEG), ("deg/h", DEG / HOUR)];
-pub(crate) const ANGULAR_ACCELERATION: Units = &[("rad/s^2", 1.0), ("deg/s^2", DEG)];
+/// Units of angular acceleration.
+pub const ANGULAR_ACCELERATION: Units = &[("rad/s^2", 1.0), ("deg/s^2", DEG)];
 /// Units of specific force.
 pub const FORCE: Units = &[("m/s^2", 1.0), ("g", G), ("mg", G * 1e-3), ("ug", G * 1e-6)];
 /// Units of temperature.
 pub const TEMPERATURE: Units = &[("degC", 1.0)];
-pub(crate) const DIFFERENCE: Units = &[("K", 1.0)];
-pub(crate) const ANGLE_WALK: Units =
-    &[("rad/sqrt(s)", 1.0), ("deg/sqrt(h)", DEG / 60.0), ("deg/sqrt(s)", DEG)];
-pub(crate) const VELOCITY_WALK: Units = &[
+/// Units of a temperature difference.
+pub const DIFFERENCE: Units = &[("K", 1.0)];
+/// Units of angle random walk.
+pub const ANGLE_WALK: Units = &[("rad/sqrt(s)", 1.0), ("deg/sqrt(h)", DEG / 60.0), ("deg/sqrt(s)", DEG)];
+/// Units of velocity random walk.
+pub const VELOCITY_WALK: Units = &[
     ("m/s/sqrt(s)", 1.0),
     ("m/s/sqrt(h)", 1.0 / 60.0),
     ("ug/sqrt(Hz)", G * 1e-6),
     ("mg/sqrt(Hz)", G * 1e-3),
 ];
-pub(crate) const RATE_WALK: Units = &[("rad/s/sqrt(s)", 1.0), ("deg/h/sqrt(h)", DEG / HOUR / 60.0)];
-pub(crate) const FORCE_WALK: Units =
+/// Units of the random walk of an angular rate.
+pub const RATE_WALK: Units = &[("rad/s/sqrt(s)", 1.0), ("deg/h/sqrt(h)", DEG / HOUR / 60.0)];
+/// Units of the random walk of a specific force.
+pub const FORCE_WALK: Units =
     &[("m/s^2/sqrt(s)", 1.0), ("ug/sqrt(s)", G * 1e-6), ("ug/sqrt(h)", G * 1e-6 / 60.0)];
 
 /// Units of the parameters of effects.
@@ -136,7 +143,7 @@ fn plain(unit: &str) -> String {
 }
 
 /// Reads `NUMBER UNIT`; says what is accepted otherwise.
-pub(crate) fn read(text: &str, units: Units) -> Result<f64, String> {
+pub fn read(text: &str, units: Units) -> Result<f64, String> {
     let (number, unit) = split(text);
     let Ok(value) = number.parse::<f64>() else {
         let names = units.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
@@ -157,7 +164,7 @@ fn split(text: &str) -> (&str, &str) {
 }
 
 /// A value in SI units as people write it: in the unit of the quantity `like`, or else in the SI unit.
-pub(crate) fn write(value: f64, units: Units, like: &str) -> String {
+pub fn write(value: f64, units: Units, like: &str) -> String {
     let wanted = split(like).1;
     let unit = units.iter().find(|(name, _)| *name == wanted).or(units.first());
     let (name, size) = unit.copied().unwrap_or(("", 1.0));

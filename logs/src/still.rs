@@ -15,7 +15,7 @@ use sinscal::{Aligner, Sample, Site, earth};
 use super::columns::Group;
 use super::description::Description;
 use super::fault::LogError;
-use rig::units::{DEGREE, MICRO_G};
+use crate::units::{DEGREE, MICRO_G};
 
 /// m/s^2.
 pub(super) const STANDARD_GRAVITY: f64 = MICRO_G * 1e6;

@@ -21,7 +21,7 @@ mod files;
 #[cfg(test)]
 mod foreign;
 #[cfg(test)]
-pub(crate) mod fuzz;
+mod fuzz;
 mod guard;
 #[cfg(feature = "hdf5")]
 mod hdf5;
@@ -35,8 +35,10 @@ mod pages;
 mod parquet;
 mod rows;
 mod still;
+pub mod suggest;
 #[cfg(test)]
 mod tests;
+pub mod units;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -53,11 +55,11 @@ use self::parquet::ParquetSource;
 use self::rows::{Checker, Row};
 use self::still::Stillness;
 
-pub(crate) use self::ahead::Ahead;
-pub(crate) use self::description::Description;
-pub(crate) use self::fault::LogError;
-pub(crate) use self::guard::decoding;
-pub(crate) use self::map::ColumnMap;
+pub use self::ahead::Ahead;
+pub use self::description::Description;
+pub use self::fault::LogError;
+pub use self::guard::decoding;
+pub use self::map::ColumnMap;
 
 /// A fixed point's reference holds at every instant; it is used at this rate, Hz.
 const FIXED_POINT_RATE: f64 = 1.0;
@@ -70,7 +72,7 @@ const DESCRIBED_ROWS: usize = 8;
 
 /// A log whose description and columns are sound. Rows are checked as they are read.
 #[derive(Debug)]
-pub(crate) struct Log {
+pub struct Log {
     description: Description,
     table: PathBuf,
     rows: Rows,
@@ -95,7 +97,7 @@ enum Rows {
 
 impl Log {
     /// Finds the files of a log, reads the description and checks the columns. Pulses must have known sizes.
-    pub(crate) fn open(log: &Path, map: &ColumnMap) -> Result<Self, LogError> {
+    pub fn open(log: &Path, map: &ColumnMap) -> Result<Self, LogError> {
         let log = Self::open_counting(log, map)?;
         let help = "give the size of a pulse on each axis; where the log has still positions, `sinscal calibrate` finds it \
                     and says what to write";
@@ -103,7 +105,7 @@ impl Log {
     }
 
     /// The fault that pulses have no size, if some have none; `help` says what can be done.
-    pub(crate) fn lacking_scale(&self, help: &str) -> Option<LogError> {
+    pub fn lacking_scale(&self, help: &str) -> Option<LogError> {
         let (group, field) = match self.unknown {
             UnknownPulses { gyro: true, .. } => (Group::GYRO_PULSE, "gyro_rad_per_pulse"),
             UnknownPulses { accel: true, .. } => (Group::ACCEL_PULSE, "accel_m_s_per_pulse"),
@@ -115,7 +117,7 @@ impl Log {
     }
 
     /// The same with pulses of unknown size: until [`correct`](Self::correct) says it, samples hold counts.
-    pub(crate) fn open_counting(log: &Path, map: &ColumnMap) -> Result<Self, LogError> {
+    pub fn open_counting(log: &Path, map: &ColumnMap) -> Result<Self, LogError> {
         let (table, kind, description_path) = files::find(log)?;
         let description = Description::read(&description_path)?;
         let (rows, layout, size) = match kind {
@@ -162,17 +164,17 @@ impl Log {
     /// Lets gaps of up to `seconds` be filled with interpolated increments.
     ///
     /// The rows put into a gap hold increments between those of its two ends, no reference and no new reading.
-    pub(crate) fn bridge_gaps(&mut self, seconds: f64) {
+    pub fn bridge_gaps(&mut self, seconds: f64) {
         self.bridge = seconds;
     }
 
     /// Which pulses have unknown sizes.
-    pub(crate) fn unknown_pulses(&self) -> UnknownPulses {
+    pub fn unknown_pulses(&self) -> UnknownPulses {
         self.unknown
     }
 
     /// Gives samples in SI, with the errors of a coarse calibration taken out.
-    pub(crate) fn correct(&mut self, coarse: CoarseCalibration) {
+    pub fn correct(&mut self, coarse: CoarseCalibration) {
         self.description.gyro_pulse = coarse.gyro_pulse.or(self.description.gyro_pulse);
         self.description.accel_pulse = coarse.accel_pulse.or(self.description.accel_pulse);
         self.unknown = UnknownPulses::default();
@@ -180,42 +182,42 @@ impl Log {
     }
 
     /// The coarse calibration whose errors were taken out.
-    pub(crate) fn coarse(&self) -> Option<&CoarseCalibration> {
+    pub fn coarse(&self) -> Option<&CoarseCalibration> {
         self.coarse.as_ref()
     }
 
     /// What the description says.
-    pub(crate) fn description(&self) -> &Description {
+    pub fn description(&self) -> &Description {
         &self.description
     }
 
     /// The table's path.
-    pub(crate) fn table(&self) -> &Path {
+    pub fn table(&self) -> &Path {
         &self.table
     }
 
     /// The reference is used at most this often, Hz.
-    pub(crate) fn update_rate(&self) -> f64 {
+    pub fn update_rate(&self) -> f64 {
         if self.fixed_point { FIXED_POINT_RATE } else { MEASURED_RATE }
     }
 
     /// Defaults in use that the reader of the results should know about.
-    pub(crate) fn warnings(&self) -> &[String] {
+    pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
     /// Length of the table in the unit of [`Samples::position`].
-    pub(crate) fn size(&self) -> u64 {
+    pub fn size(&self) -> u64 {
         self.size
     }
 
     /// [`samples`](Self::samples) in chunks, read by another thread ahead of who works on them.
-    pub(crate) fn ahead(&self) -> Result<Ahead, LogError> {
+    pub fn ahead(&self) -> Result<Ahead, LogError> {
         Ahead::new(self.samples()?)
     }
 
     /// Starts reading from the first row.
-    pub(crate) fn samples(&self) -> Result<Samples, LogError> {
+    pub fn samples(&self) -> Result<Samples, LogError> {
         let (source, layout): (Box<dyn Source + Send>, Layout) = match &self.rows {
             Rows::Parquet => {
                 let (source, layout, _) = ParquetSource::open(&self.table, &self.map)?;
@@ -259,15 +261,15 @@ impl Log {
 
 /// Gaps that were filled.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Bridged {
+pub struct Bridged {
     /// Number of gaps.
-    pub(crate) gaps: u64,
+    pub gaps: u64,
     /// Number of rows put into them.
-    pub(crate) rows: u64,
+    pub rows: u64,
 }
 
 /// The rows of a log in order, each checked. Ends after the first error.
-pub(crate) struct Samples {
+pub struct Samples {
     source: Box<dyn Source + Send>,
     layout: Layout,
     checker: Checker,
@@ -300,12 +302,12 @@ struct Gap {
 
 impl Samples {
     /// How far reading has come, out of [`Log::size`].
-    pub(crate) fn position(&self) -> u64 {
+    pub fn position(&self) -> u64 {
         self.source.position()
     }
 
     /// What was put into gaps so far.
-    pub(crate) fn bridged(&self) -> Bridged {
+    pub fn bridged(&self) -> Bridged {
         self.bridged
     }
 

@@ -19,8 +19,8 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::{suggest, units};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use rig::{suggest, units};
 use sinscal::{EffectInfo, InitialAttitude, ReferenceSigma, SensorNoise, Site};
 use toml::de::{DeTable, DeValue};
 
@@ -56,27 +56,30 @@ const SECTIONS: &[&str] =
 
 /// A checked description, in SI units.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Description {
+pub struct Description {
     /// Nominal sampling rate, Hz.
-    pub(crate) rate: f64,
+    pub rate: f64,
     /// Angle per gyro pulse, rad.
-    pub(crate) gyro_pulse: Option<Vector3<f64>>,
+    pub gyro_pulse: Option<Vector3<f64>>,
     /// Velocity per accelerometer pulse, m/s.
-    pub(crate) accel_pulse: Option<Vector3<f64>>,
-    pub(crate) site: Site,
+    pub accel_pulse: Option<Vector3<f64>>,
+    /// Where it was taken.
+    pub site: Site,
     /// `None`: to be found from the first still stretch.
-    pub(crate) initial: Option<InitialAttitude>,
-    pub(crate) reference: ReferenceSigma,
+    pub initial: Option<InitialAttitude>,
+    /// Standard deviations of one reading of the reference.
+    pub reference: ReferenceSigma,
     /// Which of velocity, position and attitude sigma the file itself gives.
     pub(super) reference_given: [bool; 3],
-    pub(crate) noise: SensorNoise,
+    /// Random walks of the sensors.
+    pub noise: SensorNoise,
     pub(super) noise_given: bool,
     /// degC.
-    pub(crate) reference_temperature: f64,
+    pub reference_temperature: f64,
     /// m, body frame.
-    pub(crate) outer_lever: Vector3<f64>,
+    pub outer_lever: Vector3<f64>,
     /// Standard deviations by effect, SI.
-    pub(crate) priors: Vec<(&'static str, f64)>,
+    pub priors: Vec<(&'static str, f64)>,
 }
 
 /// Angle random walk that separates gyros that feel the Earth's rate from others, rad/sqrt(s).
@@ -89,7 +92,7 @@ impl Description {
     }
 
     /// Prior standard deviation of an effect: the one given, or that of its block; SI.
-    pub(crate) fn prior(&self, effect: &str) -> f64 {
+    pub fn prior(&self, effect: &str) -> f64 {
         let given = self.priors.iter().find(|(name, _)| *name == effect).map(|(_, sigma)| *sigma);
         given.or_else(|| sinscal::effect(effect).map(|effect| effect.prior_sigma)).unwrap_or(f64::INFINITY)
     }
