@@ -3,8 +3,9 @@
 use std::fmt::Write;
 
 use clap::Args;
-use sinscal::{FILTERS, FilterInfo};
+use sinscal::FilterInfo;
 
+use crate::vocabulary::vocabulary;
 use crate::{output, say};
 
 /// List the filters: states, measurements, what they hold
@@ -14,13 +15,13 @@ pub(crate) struct Arguments {}
 impl Arguments {
     pub(crate) fn run(self) -> miette::Result<()> {
         let mut text = format!("{:14} {:>6}  {:22} {}\n", "filter", "states", "measures", "holds");
-        for filter in FILTERS {
+        for filter in vocabulary().filters().map(|filter| filter.info()) {
             let measures = filter.measures().collect::<Vec<_>>().join(", ");
             // Writing to a string does not fail.
             let _ = writeln!(text, "{:14} {:>6}  {measures:22} {}", filter.name, filter.states, filter.about);
         }
         text.push_str("\nstates, with the equation in `sinscal effects`:\n");
-        for filter in FILTERS {
+        for filter in vocabulary().filters().map(|filter| filter.info()) {
             let _ = writeln!(text, "{:14} {}", filter.name, blocks(filter));
         }
         output::print(&say::folded(&text, 15))

@@ -9,7 +9,7 @@ use serde::Serialize;
 use sinscal::navigation::NAUTICAL_MILE;
 use study::{Cell, Plan, Sizes, UnitResult};
 
-use crate::ablate::run::FILTERS;
+use crate::ablate::{FILTERS, paper};
 use crate::arguments::{ALIGNMENT, Drawn, Results, hours, within};
 use crate::report::{Cell as Field, Report as Page, Section, Table, Tone, number};
 use crate::say::progress_bar;
@@ -59,7 +59,7 @@ impl Arguments {
         let target = self.results.target()?;
         let plan = Plan {
             scenario: self.drawn.load()?,
-            filters: FILTERS.map(str::to_owned).to_vec(),
+            filters: paper()?,
             passes: 2,
             hours: self.hours,
             alignment: ALIGNMENT,

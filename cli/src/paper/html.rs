@@ -30,7 +30,7 @@ pub(super) fn page(findings: &Findings, text: &str) -> Report {
             ("units".into(), summary.units.to_string()),
             ("navigation".into(), format!("{} h", findings.plan.hours)),
             ("rank of 43d-b".into(), format!("{} of {}", analysis.rank, analysis.states.len())),
-            ("first unit".into(), findings.first.unit.to_string()),
+            ("first unit".into(), findings.first.result.unit.to_string()),
         ],
         sections,
         origin: Vec::new(),

@@ -5,7 +5,7 @@ use sinscal::{ChannelInnovations, Parameter, StateInfo};
 use super::{Cell, Interval, Item, Section, Table, number, text};
 use crate::draw::{Curve, Figure, Style};
 use crate::figures::{decimals, significant};
-use crate::history::History;
+use runs::History;
 
 /// Half the length of the axis of a forest plot, in prior sigmas, at least and at most.
 const FOREST: [f64; 2] = [0.1, 3.0];

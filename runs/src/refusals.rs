@@ -8,19 +8,23 @@ const TOGETHER: f64 = 10.0;
 
 /// Readings of one channel that were left out one after the other.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct Stretch {
-    pub(super) channel: &'static str,
+pub struct Stretch {
+    /// Name of the measurement.
+    pub channel: &'static str,
     /// `outlier` or `repeated`.
-    pub(super) why: &'static str,
-    pub(super) first_s: f64,
-    pub(super) last_s: f64,
-    pub(super) readings: u64,
+    pub why: &'static str,
+    /// Time of the first, s.
+    pub first_s: f64,
+    /// Time of the last, s.
+    pub last_s: f64,
+    /// Their number.
+    pub readings: u64,
 }
 
 /// What a pass left out of the reference.
 #[derive(Default)]
-pub(super) struct Refusals {
-    pub(super) stretches: Vec<Stretch>,
+pub(crate) struct Refusals {
+    pub(crate) stretches: Vec<Stretch>,
 }
 
 impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Refusals {

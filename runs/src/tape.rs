@@ -6,14 +6,14 @@ use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use sinscal::Tape;
 
 /// A file without a name, which goes with the program.
-pub(super) struct FileTape {
+pub(crate) struct FileTape {
     file: BufWriter<File>,
     length: u64,
     bytes: Vec<u8>,
 }
 
 impl FileTape {
-    pub(super) fn new() -> io::Result<Self> {
+    pub(crate) fn new() -> io::Result<Self> {
         Ok(Self { file: BufWriter::new(tempfile::tempfile()?), length: 0, bytes: Vec::new() })
     }
 }

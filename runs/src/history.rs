@@ -7,8 +7,10 @@ const CONVERGED: f64 = 2.0;
 
 /// Estimates and sigmas over time, at evenly thinned updates.
 #[derive(Clone, Debug)]
-pub(crate) struct History {
+pub struct History {
     width: usize,
+    /// Least time between points, s.
+    step: f64,
     stride: usize,
     updates: usize,
     times: Vec<f64>,
@@ -17,30 +19,33 @@ pub(crate) struct History {
 }
 
 impl History {
-    /// An empty history of `width` parameters.
-    pub(crate) fn new(width: usize) -> Self {
-        Self { width, stride: 1, updates: 0, times: Vec::new(), points: Vec::new() }
+    /// An empty history of `width` parameters with points at least `step` apart, s.
+    pub fn new(width: usize, step: f64) -> Self {
+        Self { width, step, stride: 1, updates: 0, times: Vec::new(), points: Vec::new() }
     }
 
     /// Forgets everything.
-    pub(crate) fn clear(&mut self) {
-        *self = Self::new(self.width);
+    pub fn clear(&mut self) {
+        *self = Self::new(self.width, self.step);
     }
 
-    /// Counts an update and tells whether its point is wanted.
-    pub(crate) fn due(&mut self) -> bool {
+    /// Counts an update at `time` and tells whether its point is wanted.
+    pub fn due(&mut self, time: f64) -> bool {
+        if self.times.last().is_some_and(|last| time < last + self.step) {
+            return false;
+        }
         let due = self.updates.is_multiple_of(self.stride);
         self.updates += 1;
         due
     }
 
-    /// Keeps a point; `parameters` gives value and sigma of each parameter.
-    pub(crate) fn push(&mut self, time: f64, parameters: impl FnOnce(&mut dyn FnMut(f64, f64))) {
+    /// Keeps a point: value and sigma of each parameter.
+    pub fn push(&mut self, time: f64, parameters: impl Iterator<Item = (f64, f64)>) {
         if self.times.last() == Some(&time) {
             return;
         }
         let start = self.points.len();
-        parameters(&mut |value, sigma| self.points.push((value, sigma)));
+        self.points.extend(parameters);
         self.points.resize(start + self.width, (f64::NAN, f64::NAN));
         self.times.push(time);
         if self.times.len() == CAPACITY {
@@ -61,7 +66,7 @@ impl History {
     }
 
     /// Time since `start` after which the sigma of a parameter stays within twice its final value.
-    pub(crate) fn converged(&self, parameter: usize, start: f64) -> Option<f64> {
+    pub fn converged(&self, parameter: usize, start: f64) -> Option<f64> {
         let sigmas = self.points.iter().skip(parameter).step_by(self.width.max(1)).map(|(_, sigma)| *sigma);
         let sigmas: Vec<f64> = sigmas.collect();
         let last = *sigmas.last()?;
@@ -71,7 +76,7 @@ impl History {
     }
 
     /// Times with the values and sigmas kept for them.
-    pub(crate) fn rows(&self) -> impl Iterator<Item = (f64, &[(f64, f64)])> {
+    pub fn rows(&self) -> impl Iterator<Item = (f64, &[(f64, f64)])> {
         self.times.iter().copied().zip(self.points.chunks(self.width.max(1)))
     }
 }
@@ -82,20 +87,15 @@ mod tests {
 
     #[test]
     fn memory_is_bounded_and_the_span_is_covered() {
-        let mut history = History::new(2);
+        let mut history = History::new(2, 0.0);
         for update in 0..100_000 {
             let time = f64::from(update);
-            if history.due() {
-                history.push(time, |put| {
-                    put(time, 1.0);
-                    put(-time, if update < 40_000 { 10.0 } else { 1.0 });
-                });
+            if history.due(time) {
+                let sigma = if update < 40_000 { 10.0 } else { 1.0 };
+                history.push(time, [(time, 1.0), (-time, sigma)].into_iter());
             }
         }
-        history.push(99_999.0, |put| {
-            put(99_999.0, 1.0);
-            put(-99_999.0, 1.0);
-        });
+        history.push(99_999.0, [(99_999.0, 1.0), (-99_999.0, 1.0)].into_iter());
         assert!(history.times.len() <= CAPACITY);
         assert!(history.times.windows(2).all(|pair| pair[0] < pair[1]));
         assert_eq!(history.converged(0, 0.0), Some(0.0));
