@@ -11,11 +11,11 @@ use miette::{IntoDiagnostic, Report, Result, miette};
 use runs::AnyFilter;
 
 use crate::arguments::{self, Columns, Results};
-use crate::report::diagnosis::{self, tenths};
-use crate::report::inputs::Inputs;
+use crate::origin::{Documented as _, inputs};
 use crate::source::{Source, unreadable};
 use crate::{say, self_test, setup};
 use logs::Log;
+use reports::diagnosis::{self, tenths};
 
 /// Name of the Rust file with the extended filter.
 const DECLARATION: &str = "extended_filter.rs";
@@ -111,7 +111,7 @@ impl Arguments {
             }
             let table = first.table().display();
             let mut page = diagnosis::report(&found, format!("What {} lacks on {table}", filter.name()));
-            page.sections.push(Inputs::of(&first)?.section());
+            page.sections.push(inputs(&first)?.section());
             page = page.with_program().with("seed", self.seed.to_string()).with_log(&first);
             if let Some(second) = &second {
                 page = page.with_log(second);

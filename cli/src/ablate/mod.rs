@@ -12,11 +12,11 @@ use serde::Serialize;
 
 use crate::arguments::{self, ALIGNMENT, LogArgument, Results, alignment};
 use crate::navigate::{errors, fly, section};
-use crate::report::inputs::Inputs;
-use crate::report::{Cell, Report as Page, Section, Table, Tone, number, text};
+use crate::origin::{Documented as _, inputs};
 use crate::setup;
 use crate::source::{Source, fault};
 use crate::vocabulary::vocabulary;
+use reports::{Cell, Report as Page, Section, Table, Tone, number, text};
 
 /// The five filters of the paper, in the order of its table 3.
 pub(crate) const FILTERS: [&str; 5] = ["36d-p", "39d-p", "40d-p", "43d-p", "43d-b"];
@@ -106,7 +106,7 @@ impl Arguments {
             if !flights.is_empty() {
                 page.sections.push(section(flights));
             }
-            page.sections.push(Inputs::of(&log)?.section());
+            page.sections.push(inputs(&log)?.section());
             page = page.with("passes", self.passes.to_string()).with_log(&log);
             if let Some(swing) = &swing {
                 page = page.with_log(swing);

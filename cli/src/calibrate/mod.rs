@@ -14,6 +14,7 @@ use runs::{Options, Watch};
 use sinscal::{Coarse, Parameter, Statistics, UnknownPulses};
 
 use crate::arguments::{self, FilterArgument, LogArgument, Results};
+use crate::origin::Documented as _;
 use crate::source::{Source, fault};
 use crate::{say, setup};
 

@@ -6,9 +6,11 @@ use runs::{AnyFilter, Options, Outcome};
 use sinscal::StateInfo;
 
 use super::text;
-use crate::figures::significant;
-use crate::report::inputs::Inputs;
-use crate::report::{Report, Tone, origin, parts};
+use crate::origin::{Documented as _, inputs};
+use reports::figures::significant;
+use reports::{Report, Tone, parts};
+
+use crate::origin;
 
 /// Everything about a calibration, in the order a reviewer reads.
 pub(super) fn report(
@@ -50,7 +52,7 @@ pub(super) fn report(
         parts::convergence(parameters, history, truth),
     ];
     sections.extend(outcome.residuals.as_deref().map(|channels| parts::residuals("Residuals", "", channels)));
-    sections.push(Inputs::of(log)?.section());
+    sections.push(inputs(log)?.section());
     let report = Report {
         title: format!("Calibration of {} with {}", log.table().display(), filter.title()),
         verdict: text::verdict(outcome),

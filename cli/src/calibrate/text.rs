@@ -8,7 +8,7 @@ use logs::{Bridged, Log};
 use runs::Outcome;
 use sinscal::{CoarseCalibration, Parameter, Site, Smoothed};
 
-use crate::figures::{decimals, significant};
+use reports::figures::{decimals, significant};
 
 /// So many stretches of refused readings are listed.
 const DESCRIBED: usize = 20;

@@ -11,8 +11,9 @@ use study::{Cell, Plan, Sizes, UnitResult};
 
 use crate::ablate::{FILTERS, paper};
 use crate::arguments::{ALIGNMENT, Drawn, Results, hours, within};
-use crate::report::{Cell as Field, Report as Page, Section, Table, Tone, number};
+use crate::origin::Documented as _;
 use crate::say::progress_bar;
+use reports::{Cell as Field, Report as Page, Section, Table, Tone, number};
 
 /// What its help ends with.
 const EXAMPLES: &str = "\

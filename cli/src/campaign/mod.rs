@@ -23,6 +23,7 @@ use study::{Plan, Summary, UnitResult};
 use self::store::{Identity, Store};
 use crate::ablate::FILTERS;
 use crate::arguments::{self, ALIGNMENT, Drawn, Results, alignment, hours};
+use crate::origin::Documented as _;
 use crate::output::{self, Files};
 use crate::say::progress_bar;
 use crate::{say, scenario};

@@ -12,8 +12,8 @@ use sinscal::{
 };
 use study::Plan;
 
-use crate::report::inputs::Inputs;
 use crate::say;
+use reports::Inputs;
 use runs::History;
 
 /// How the unit is moved in the two runs, in words.

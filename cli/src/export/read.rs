@@ -7,7 +7,7 @@ use serde_json::Value;
 use sinscal::EffectInfo;
 
 use crate::navigate;
-use crate::report::origin;
+use crate::origin;
 
 /// A calibration to be written in another form.
 pub(super) struct Calibration {

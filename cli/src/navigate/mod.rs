@@ -12,10 +12,10 @@ use runs::{Calibrated, Flight, navigate};
 use serde::Serialize;
 
 use crate::arguments::{ALIGNMENT, LogArgument, Results, alignment};
-use crate::report::inputs::Inputs;
-use crate::report::{Report as Page, Section, Tone, parts};
+use crate::origin::{Documented as _, inputs};
 use crate::setup;
 use crate::source::{Source, fault};
+use reports::{Report as Page, Section, Tone, parts};
 
 /// What its help ends with.
 const EXAMPLES: &str = "\
@@ -85,7 +85,7 @@ impl Arguments {
                     ("duration".into(), format!("{hours:.2} h")),
                     ("alignment".into(), format!("{alignment_s:.0} s")),
                 ],
-                sections: vec![section(&flights), Inputs::of(&log)?.section()],
+                sections: vec![section(&flights), inputs(&log)?.section()],
                 origin: Vec::new(),
                 attachments: Vec::new(),
             };

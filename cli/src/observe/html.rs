@@ -5,11 +5,11 @@ use runs::{Analysis, AnyFilter, SPANS, State};
 use sinscal::observability::{EXCITED, TOLERANCE};
 
 use super::report::{figure as curves, name, verdict};
-use crate::draw::{Curve, Figure, Style};
-use crate::figures::significant;
-use crate::report::inputs::Inputs;
-use crate::report::{Cell, Item, Report, Section, Table, Tone, number, text};
+use crate::origin::{Documented as _, inputs};
 use logs::Log;
+use reports::figures::significant;
+use reports::{Cell, Item, Report, Section, Table, Tone, number, text};
+use reports::{Curve, Figure, Style};
 
 /// Degrees from the first, the lightest field of the map, to the second, the darkest.
 const SHADES: [f64; 2] = [1e-2, 1e4];
@@ -29,12 +29,7 @@ pub(super) fn report(log: &Log, filter: &dyn AnyFilter, analysis: &Analysis) -> 
             ("of them turning".into(), analysis.turning.to_string()),
             ("weak combinations".into(), analysis.weak.len().to_string()),
         ],
-        sections: vec![
-            words(analysis),
-            degrees(analysis),
-            singular_values(analysis),
-            Inputs::of(log)?.section(),
-        ],
+        sections: vec![words(analysis), degrees(analysis), singular_values(analysis), inputs(log)?.section()],
         origin: Vec::new(),
         attachments: Vec::new(),
     };

@@ -9,6 +9,7 @@ use miette::Result;
 use runs::observe;
 
 use crate::arguments::{FilterArgument, LogArgument, Results};
+use crate::origin::Documented as _;
 use crate::source::{Source, fault};
 use crate::{say, setup};
 

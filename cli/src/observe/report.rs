@@ -8,8 +8,8 @@ use serde::Serialize;
 use sinscal::StateInfo;
 use sinscal::observability::{Direction, EXCITED, TOLERANCE};
 
-use crate::draw::{Curve, Figure, Style};
-use crate::figures::significant;
+use reports::figures::significant;
+use reports::{Curve, Figure, Style};
 
 /// The paper's figure shows the last thirteen states.
 const LAST: usize = 13;

@@ -8,9 +8,9 @@ use runs::{Flight, SPANS};
 use study::FilterResult;
 
 use super::Findings;
-use crate::draw::{Curve, Figure, Style};
 use crate::observe::report::name;
 use crate::output::Files;
+use reports::{Curve, Figure, Style};
 
 /// The filter whose parameters the figures show.
 pub(super) const SHOWN: &str = "43d-b";

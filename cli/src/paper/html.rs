@@ -3,7 +3,8 @@
 use super::{Findings, figures, report, size_effect};
 use crate::campaign::html as campaign;
 use crate::observe::html as observe;
-use crate::report::{Item, Report, Section, Tone};
+use crate::origin::Documented as _;
+use reports::{Item, Report, Section, Tone};
 
 pub(super) fn page(findings: &Findings, text: &str) -> Report {
     let analysis = &findings.observability;

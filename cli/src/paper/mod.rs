@@ -22,6 +22,7 @@ use study::{Plan, Summary, Traced, UnitResult};
 use crate::ablate::paper;
 use crate::arguments::{ALIGNMENT, Drawn, Results, hours};
 use crate::campaign::motion;
+use crate::origin::Documented as _;
 use crate::say::progress_bar;
 use crate::vocabulary::vocabulary;
 

@@ -9,7 +9,9 @@ use sinscal::path::{EIGHTEEN_ROTATIONS, attitude};
 use study::{FilterSummary, Summary};
 
 use super::Findings;
-use crate::{campaign, figures::significant, observe};
+use reports::figures::significant;
+
+use crate::{campaign, observe};
 use runs::{Analysis, SPANS};
 
 /// Largest horizontal errors that the paper prints, nmi.

@@ -1,19 +1,17 @@
 //! What a unit was put through: turns, forces, temperatures, dither, in memory that does not grow with the log.
 
-use miette::Result;
 use nalgebra::Vector3;
 use sinscal::Sample;
 
 use super::Section;
 use crate::draw::{Curve, Figure, Style};
-use logs::Log;
 
 /// More stretches are joined in pairs.
 const CAPACITY: usize = 2048;
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Means of the signals over even stretches of a log.
-pub(crate) struct Inputs {
+pub struct Inputs {
     /// Samples in a stretch.
     length: u32,
     stretches: Vec<Stretch>,
@@ -64,22 +62,20 @@ impl Stretch {
     }
 }
 
+impl Default for Inputs {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Inputs {
-    pub(crate) fn new() -> Self {
+    /// Of no sample yet.
+    pub fn new() -> Self {
         Self { length: 1, stretches: Vec::new(), open: Stretch::empty(), time: f64::NAN }
     }
 
-    /// Those of a log.
-    pub(crate) fn of(log: &Log) -> Result<Self> {
-        let mut inputs = Self::new();
-        for sample in log.samples()? {
-            inputs.push(&sample?);
-        }
-        Ok(inputs)
-    }
-
     /// Takes in the next sample.
-    pub(crate) fn push(&mut self, sample: &Sample) {
+    pub fn push(&mut self, sample: &Sample) {
         let elapsed = sample.time - self.time;
         self.time = sample.time;
         // how long the first interval was is not known yet
@@ -112,7 +108,7 @@ impl Inputs {
     }
 
     /// The motion and the surroundings as curves.
-    pub(crate) fn section(&self) -> Section {
+    pub fn section(&self) -> Section {
         let mut items = vec![
             figure(
                 "rate",

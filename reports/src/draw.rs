@@ -1,15 +1,11 @@
 //! Figures: curves as SVG and as data for the report's plots, with their numbers beside them.
 
 use std::io::{self, Write};
-use std::path::Path;
 
 use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
-use miette::Result;
 use serde_json::{Value, json};
-
-use crate::output::Files;
 
 /// Colours that people with any kind of colour vision tell apart (Okabe and Ito).
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"];
@@ -22,7 +18,7 @@ const SETTLED: f64 = 0.4;
 
 /// A curve.
 #[derive(Clone)]
-pub(crate) struct Curve {
+pub struct Curve {
     name: String,
     points: Vec<(f64, f64)>,
     style: Style,
@@ -32,7 +28,7 @@ pub(crate) struct Curve {
 
 /// How a curve looks.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Style {
+pub enum Style {
     /// A full line in a colour of its own.
     Full,
     /// A dashed line in the colour of the full one before it: its bound, its truth, its theory.
@@ -44,17 +40,18 @@ pub(crate) enum Style {
 }
 
 impl Curve {
-    pub(crate) fn new(name: impl Into<String>, style: Style, points: Vec<(f64, f64)>) -> Self {
+    /// A curve called `name` through `points`.
+    pub fn new(name: impl Into<String>, style: Style, points: Vec<(f64, f64)>) -> Self {
         Self { name: name.into(), points, style, band: None }
     }
 
     /// The same within a band of `half` its width to either side, point by point.
-    pub(crate) fn with_band(self, half: Vec<f64>) -> Self {
+    pub fn with_band(self, half: Vec<f64>) -> Self {
         Self { band: Some(half), ..self }
     }
 
     /// Whether there is nothing to draw.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
 
@@ -75,25 +72,20 @@ impl Curve {
 
 /// Curves over a common axis.
 #[derive(Clone)]
-pub(crate) struct Figure {
+pub struct Figure {
     /// Names of the files, without ending.
-    pub(crate) file: String,
-    pub(crate) title: String,
+    pub file: String,
+    /// What it shows.
+    pub title: String,
     /// Axes with their units.
-    pub(crate) axes: [&'static str; 2],
-    pub(crate) curves: Vec<Curve>,
+    pub axes: [&'static str; 2],
+    /// The curves, in the order in which they are drawn.
+    pub curves: Vec<Curve>,
 }
 
 impl Figure {
-    /// Writes `FILE.svg` and `FILE.csv` to a folder.
-    pub(crate) fn write(&self, files: &mut Files, folder: &Path) -> Result<()> {
-        files
-            .write(&folder.join(format!("{}.svg", self.file)), |out| out.write_all(self.svg().as_bytes()))?;
-        files.write(&folder.join(format!("{}.csv", self.file)), |out| self.csv(out))
-    }
-
     /// What the report's script draws it from.
-    pub(crate) fn data(&self) -> Value {
+    pub fn data(&self) -> Value {
         let mut times: Vec<Vec<Value>> = Vec::new();
         let mut curves = Vec::new();
         for (curve, colour) in self.curves.iter().zip(self.colours()) {
@@ -154,7 +146,8 @@ impl Figure {
         (banded && margin > 0.0).then(|| [range[0] - margin, range[1] + margin])
     }
 
-    fn svg(&self) -> String {
+    /// The figure as SVG.
+    pub fn svg(&self) -> String {
         let mut plots = Vec::new();
         let view = self.view();
         let seen = |y: f64| view.map_or(y, |[low, high]| y.clamp(low, high));
@@ -192,8 +185,15 @@ impl Figure {
         kuva::render_to_svg(plots, layout)
     }
 
-    /// One line for each point: curve, then its coordinates, then half its band where there is one.
-    fn csv(&self, out: &mut dyn Write) -> io::Result<()> {
+    /// The numbers, as comma-separated text.
+    pub fn csv(&self) -> Vec<u8> {
+        let mut out = Vec::new();
+        // writing to memory does not fail
+        let _ = self.write_csv(&mut out);
+        out
+    }
+
+    fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         let banded = self.curves.iter().any(|curve| curve.band.is_some());
         let [x, y] = self.axes.map(|axis| axis.replace(',', " "));
         writeln!(out, "curve,{x},{y}{}", if banded { ",half band" } else { "" })?;

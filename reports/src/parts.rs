@@ -17,14 +17,10 @@ const LAGS: usize = 20;
 const NORMAL_95: f64 = 1.96;
 
 /// True values, where they are known.
-pub(crate) type Truth<'a> = Option<&'a dyn Fn(&StateInfo) -> f64>;
+pub type Truth<'a> = Option<&'a dyn Fn(&StateInfo) -> f64>;
 
 /// Estimates with their intervals.
-pub(crate) fn numbers(
-    parameters: &[Parameter],
-    converged: &dyn Fn(usize) -> Option<f64>,
-    truth: Truth,
-) -> Section {
+pub fn numbers(parameters: &[Parameter], converged: &dyn Fn(usize) -> Option<f64>, truth: Truth) -> Section {
     let mut head = vec!["parameter", "estimate", "95 % interval", "unit"];
     if truth.is_some() {
         head.extend(["truth", "error by sigma"]);
@@ -66,7 +62,7 @@ pub(crate) fn numbers(
 }
 
 /// All estimates on one axis, in standard deviations of their priors. `centre` is where a prior's mean lies.
-pub(crate) fn forest(parameters: &[Parameter], centre: &dyn Fn(&StateInfo) -> f64, truth: Truth) -> Section {
+pub fn forest(parameters: &[Parameter], centre: &dyn Fn(&StateInfo) -> f64, truth: Truth) -> Section {
     let reach = |p: &Parameter| {
         let truth = truth.map_or(p.value, |truth| truth(&p.info));
         let off = |value: f64| (value - centre(&p.info)).abs();
@@ -124,7 +120,7 @@ pub(crate) fn forest(parameters: &[Parameter], centre: &dyn Fn(&StateInfo) -> f6
 }
 
 /// How each estimate came about, with its band of three sigmas: a figure for each effect.
-pub(crate) fn convergence(parameters: &[Parameter], history: &History, truth: Truth) -> Section {
+pub fn convergence(parameters: &[Parameter], history: &History, truth: Truth) -> Section {
     let mut figures: Vec<Figure> = Vec::new();
     for (i, p) in parameters.iter().enumerate() {
         let info = &p.info;
@@ -164,7 +160,7 @@ pub(crate) fn convergence(parameters: &[Parameter], history: &History, truth: Tr
 
 /// Residuals, by what the filter said of them beforehand and in their units.
 /// Names of files begin with `prefix`.
-pub(crate) fn residuals(title: &str, prefix: &str, channels: &[ChannelInnovations]) -> Section {
+pub fn residuals(title: &str, prefix: &str, channels: &[ChannelInnovations]) -> Section {
     let measured: Vec<&ChannelInnovations> = channels.iter().filter(|c| c.points.len() > LAGS).collect();
     if measured.is_empty() {
         return Section::new(title, vec![Item::text("Too few updates to look at.")]);
@@ -260,9 +256,7 @@ fn innovations(group: &str, prefix: &str, channels: &[&ChannelInnovations]) -> O
 }
 
 /// Horizontal errors of free-inertial navigation: name and track (time, east, north; s and m).
-pub(crate) fn navigation<'a>(
-    tracks: impl Iterator<Item = (&'a str, &'a [(f64, f64, f64)])> + Clone,
-) -> Section {
+pub fn navigation<'a>(tracks: impl Iterator<Item = (&'a str, &'a [(f64, f64, f64)])> + Clone) -> Section {
     let start = |track: &[(f64, f64, f64)]| track.first().map_or(0.0, |(time, _, _)| *time);
     let horizontal = tracks.clone().map(|(name, track)| {
         let from = start(track);
@@ -290,6 +284,6 @@ pub(crate) fn navigation<'a>(
 }
 
 /// Name of a parameter.
-pub(crate) fn name(info: &StateInfo) -> String {
+pub fn name(info: &StateInfo) -> String {
     format!("{} {}", info.block, info.component).trim_end().to_owned()
 }

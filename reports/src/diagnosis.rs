@@ -10,7 +10,7 @@ use crate::figures::{decimals, significant};
 const NORMAL_95: f64 = 1.96;
 
 /// Everything about a diagnosis but its inputs, in the order a reviewer reads.
-pub(crate) fn report(found: &Diagnosis, title: String) -> Report {
+pub fn report(found: &Diagnosis, title: String) -> Report {
     let gap = found.gap.as_ref();
     let mut facts = Vec::new();
     if let Some(effect) = found.effects.first() {
@@ -174,7 +174,7 @@ fn map(found: &Diagnosis) -> Option<Section> {
 }
 
 /// A number to a tenth, its zero without a sign.
-pub(crate) fn tenths(number: f64) -> String {
+pub fn tenths(number: f64) -> String {
     let text = format!("{number:.1}");
     if text == "-0.0" { "0.0".into() } else { text }
 }
@@ -238,13 +238,13 @@ fn declaration(found: &Diagnosis) -> Option<Section> {
 }
 
 /// The true values of hidden effects beside what was found.
-pub(crate) fn against_truth(found: &Diagnosis, truth: &rig::Truth) -> Section {
+pub fn against_truth(found: &Diagnosis, truth: &dyn Fn(&str, usize) -> f64) -> Section {
     let mut rows = Vec::new();
     for effect in &found.effects {
         let Some(info) = sinscal::effect(&effect.name) else { continue };
         for (i, component) in effect.components.iter().enumerate() {
             let (estimate, sigma) = (effect.estimate[i], effect.sigma[i]);
-            let true_value = truth.value(info.name(), i);
+            let true_value = truth(info.name(), i);
             let error = (estimate - true_value) / sigma;
             let digits = decimals(sigma / info.sheet_scale);
             let figure = |value: f64| number(format!("{:.digits$}", value / info.sheet_scale));

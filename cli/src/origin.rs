@@ -6,10 +6,15 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use miette::{Result, miette};
+use runs::{ReadError, each};
 use sha2::{Digest, Sha256};
+use sinscal::Sample;
 
-use super::Report;
 use logs::Log;
+use reports::{Inputs, Report};
+
+use crate::output::Files;
+use crate::source::{Source, unreadable};
 
 /// What a log's `NAME.truth.json` says, where there is one beside it.
 pub(crate) fn truth_beside(log: &Log) -> Result<Option<rig::Truth>> {
@@ -27,9 +32,24 @@ pub(crate) fn truth_beside(log: &Log) -> Result<Option<rig::Truth>> {
     Ok(Some(truth))
 }
 
-impl Report {
+/// What the program adds to a page, and where it puts it.
+pub(crate) trait Documented: Sized {
     /// Adds where every report comes from: program and command line.
-    pub(crate) fn with_program(mut self) -> Self {
+    fn with_program(self) -> Self;
+    /// Adds a log: its files with their SHA-256, and its description in full.
+    fn with_log(self, log: &Log) -> Self;
+    /// Adds a file that was read, with its SHA-256.
+    fn with_file(self, what: &str, path: &Path) -> Self;
+    /// Adds a scenario in full, the default one where no file is given.
+    fn with_scenario(self, path: Option<&Path>) -> Self;
+    /// Writes the page alone.
+    fn write_page(&self, files: &mut Files, path: &Path) -> Result<()>;
+    /// Writes `report.html` to a folder, and what is drawn in it to `figures/`.
+    fn write(&self, files: &mut Files, folder: &Path) -> Result<()>;
+}
+
+impl Documented for Report {
+    fn with_program(mut self) -> Self {
         let quoted = |argument: std::ffi::OsString| {
             let argument = argument.to_string_lossy().into_owned();
             let plain = |c: char| c.is_alphanumeric() || "-_./=,:+".contains(c);
@@ -46,8 +66,7 @@ impl Report {
         self
     }
 
-    /// Adds a log: its files with their SHA-256, and its description in full.
-    pub(crate) fn with_log(mut self, log: &Log) -> Self {
+    fn with_log(mut self, log: &Log) -> Self {
         self = self.with_file("log", log.table());
         let description = log.table().with_extension("toml");
         if let Ok(content) = std::fs::read_to_string(&description) {
@@ -57,16 +76,14 @@ impl Report {
         self
     }
 
-    /// Adds a file that was read, with its SHA-256.
-    pub(crate) fn with_file(mut self, what: &str, path: &Path) -> Self {
+    fn with_file(mut self, what: &str, path: &Path) -> Self {
         if let Ok(sum) = sha256(path) {
             self.origin.push((what.into(), format!("{}, SHA-256 {sum}", path.display())));
         }
         self
     }
 
-    /// Adds a scenario in full, the default one where no file is given.
-    pub(crate) fn with_scenario(mut self, path: Option<&Path>) -> Self {
+    fn with_scenario(mut self, path: Option<&Path>) -> Self {
         match path {
             Some(path) => {
                 self = self.with_file("scenario", path);
@@ -79,11 +96,32 @@ impl Report {
         self
     }
 
-    /// Adds a setting.
-    pub(crate) fn with(mut self, name: &str, value: impl Into<String>) -> Self {
-        self.origin.push((name.into(), value.into()));
-        self
+    fn write_page(&self, files: &mut Files, path: &Path) -> Result<()> {
+        let html = self.page().map_err(|error| miette!("{error}"))?;
+        files.write(path, |file| file.write_all(html.as_bytes()))
     }
+
+    fn write(&self, files: &mut Files, folder: &Path) -> Result<()> {
+        for (name, content) in self.files().map_err(|error| miette!("{error}"))? {
+            let path = folder.join(name);
+            if let Some(folder) = path.parent() {
+                files.folder(folder)?;
+            }
+            files.write(&path, |file| file.write_all(&content))?;
+        }
+        Ok(())
+    }
+}
+
+/// What the unit was put through in a log.
+pub(crate) fn inputs(log: &Log) -> Result<Inputs> {
+    let mut inputs = Inputs::new();
+    let push = |sample: &Sample| {
+        inputs.push(sample);
+        Ok(())
+    };
+    each::<ReadError>(&Source::silent(log), push).map_err(|error| unreadable(log, error))?;
+    Ok(inputs)
 }
 
 /// Sum of a file, in hexadecimal.

@@ -1,19 +1,18 @@
 //! From a report to HTML. The template escapes every text; data for the script stand in it as JSON without `<`.
 
-use miette::{IntoDiagnostic, Result};
 use minijinja::{Environment, Value, context};
 
-use super::{Cell, Interval, Item, Report, Table, Tone};
+use super::{Cell, Error, Interval, Item, Report, Table, Tone};
 
-const TEMPLATE: &str = include_str!("../../assets/report.html");
-const STYLE: &str = include_str!("../../assets/report.css");
-const SCRIPT: &str = include_str!("../../assets/report.js");
-const PLOTS: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
-const PLOTS_STYLE: &str = include_str!("../../assets/uplot/uPlot.min.css");
-const PLOTS_LICENCE: &str = include_str!("../../assets/uplot/LICENSE");
+const TEMPLATE: &str = include_str!("../assets/report.html");
+const STYLE: &str = include_str!("../assets/report.css");
+const SCRIPT: &str = include_str!("../assets/report.js");
+const PLOTS: &str = include_str!("../assets/uplot/uPlot.iife.min.js");
+const PLOTS_STYLE: &str = include_str!("../assets/uplot/uPlot.min.css");
+const PLOTS_LICENCE: &str = include_str!("../assets/uplot/LICENSE");
 
 /// The whole document.
-pub(super) fn render(report: &Report) -> Result<String> {
+pub(super) fn render(report: &Report) -> Result<String, Error> {
     let mut figures = Vec::new();
     let sections: Vec<Value> = report
         .sections
@@ -24,7 +23,7 @@ pub(super) fn render(report: &Report) -> Result<String> {
             context! { id => format!("section-{}", i + 1), title => section.title, items }
         })
         .collect();
-    let data = serde_json::to_string(&figures).into_diagnostic()?.replace('<', "\\u003c");
+    let data = serde_json::to_string(&figures)?.replace('<', "\\u003c");
     let tone = match report.tone {
         Tone::Good => "good",
         Tone::Bad => "bad",
@@ -32,22 +31,18 @@ pub(super) fn render(report: &Report) -> Result<String> {
     };
     let mut templates = Environment::new();
     // the name's ending switches escaping on
-    templates.add_template("report.html", TEMPLATE).into_diagnostic()?;
-    templates
-        .get_template("report.html")
-        .and_then(|template| {
-            template.render(context! {
-                title => report.title, verdict => report.verdict, tone, facts => report.facts, sections,
-                origin => report.origin, attachments => report.attachments,
-                style => Value::from_safe_string(STYLE.into()),
-                plots_style => Value::from_safe_string(PLOTS_STYLE.into()),
-                script => Value::from_safe_string(SCRIPT.into()),
-                plots => Value::from_safe_string(PLOTS.into()),
-                licence => Value::from_safe_string(PLOTS_LICENCE.into()),
-                data => Value::from_safe_string(data),
-            })
-        })
-        .into_diagnostic()
+    templates.add_template("report.html", TEMPLATE)?;
+    let template = templates.get_template("report.html")?;
+    Ok(template.render(context! {
+        title => report.title, verdict => report.verdict, tone, facts => report.facts, sections,
+        origin => report.origin, attachments => report.attachments,
+        style => Value::from_safe_string(STYLE.into()),
+        plots_style => Value::from_safe_string(PLOTS_STYLE.into()),
+        script => Value::from_safe_string(SCRIPT.into()),
+        plots => Value::from_safe_string(PLOTS.into()),
+        licence => Value::from_safe_string(PLOTS_LICENCE.into()),
+        data => Value::from_safe_string(data),
+    })?)
 }
 
 /// An item as the template sees it; data of curves are put aside.

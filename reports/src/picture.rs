@@ -145,8 +145,15 @@ fn draw(svg: &mut String, interval: &Interval, left: f64, width: f64, y: f64) {
     );
 }
 
-/// The texts.
-pub(super) fn csv(table: &Table, out: &mut dyn Write) -> io::Result<()> {
+/// What the table says, as comma-separated text.
+pub(super) fn csv(table: &Table) -> Vec<u8> {
+    let mut out = Vec::new();
+    // writing to memory does not fail
+    let _ = write_csv(table, &mut out);
+    out
+}
+
+fn write_csv(table: &Table, out: &mut dyn Write) -> io::Result<()> {
     let field = |text: &str| {
         if text.contains([',', '"']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
     };

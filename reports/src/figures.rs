@@ -1,7 +1,7 @@
 //! Numbers as people read them.
 
 /// Decimals that show two figures of a number.
-pub(crate) fn decimals(number: f64) -> usize {
+pub fn decimals(number: f64) -> usize {
     if number > 0.0 && number.is_finite() {
         (1.0 - number.log10().floor()).clamp(0.0, 12.0) as usize
     } else {
@@ -10,7 +10,7 @@ pub(crate) fn decimals(number: f64) -> usize {
 }
 
 /// A number to about three figures.
-pub(crate) fn significant(number: f64) -> String {
+pub fn significant(number: f64) -> String {
     let digits = (decimals(number) + 1).min(12);
     let text = format!("{number:.digits$}");
     match text.contains('.') {
