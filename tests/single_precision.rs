@@ -41,6 +41,7 @@ fn instant<T: Real>(t: f64) -> (Point<T>, Signals<T>) {
         point_velocity: of(c_bn * rate_eb.cross(&lever)),
         point_acceleration: of(c_bn * rate_eb.cross(&rate_eb.cross(&lever))),
         point_position: of(c_bn * lever),
+        ..Point::default()
     };
     let signals = Signals {
         rate: of(rate_eb + c_bn.transpose() * earth::rotation_n(latitude)),
@@ -52,6 +53,7 @@ fn instant<T: Real>(t: f64) -> (Point<T>, Signals<T>) {
         dither: of(Vector3::repeat(3e-3)),
         coupled_dither: of(Vector3::repeat(3e-3)),
         time: T::of(t),
+        ..Signals::default()
     };
     (point, signals)
 }

@@ -186,6 +186,7 @@ mod tests {
             dither: at.dither,
             coupled_dither: at.dither,
             time: at.time,
+            ..Signals::default()
         }
     }
 
