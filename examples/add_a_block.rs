@@ -72,17 +72,10 @@ struct MountedUnit {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let zero = nalgebra::Vector3::zeros();
     let signals = Signals {
         rate: nalgebra::Vector3::new(0.2, -0.1, 0.3),
         force: nalgebra::Vector3::new(1.0, -2.0, 9.5),
-        angular_acceleration: zero,
-        temperature: zero,
-        temperature_rate: zero,
-        gyro_temperature: zero,
-        dither: zero,
-        coupled_dither: zero,
-        time: 0.0,
+        ..Signals::default()
     };
     let mut jacobian = [[0.0; 3]; 3];
     MountSoftness::input_jacobian(&signals, &mut |input, state, value| {

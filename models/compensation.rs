@@ -4,7 +4,7 @@ use calib_core::{Array, Filter, Real, Vector, restrict};
 use nalgebra::Vector3;
 
 use crate::strapdown::Increments;
-use crate::{Sample, Signals, Strapdown};
+use crate::{OpenBlocks, Sample, Signals, Strapdown};
 
 /// The error model is evaluated at the true motion, which is what compensation is after: each round puts the result of
 /// the one before in, the first that of the sample before. When a round moves the signals by less than this fraction of them,
@@ -24,6 +24,7 @@ pub struct Compensator {
     temperature: Held,
     gyro_temperature: Held,
     dither: Vector3<f64>,
+    open: OpenBlocks,
     last_rate: Vector3<f64>,
     /// Errors of rate and force at the last sample.
     last_error: (Vector3<f64>, Vector3<f64>),
@@ -69,9 +70,16 @@ impl Compensator {
             temperature: Held::new(reference_temperature),
             gyro_temperature: Held::new(reference_temperature),
             dither: Vector3::zeros(),
+            open: OpenBlocks::NONE,
             last_rate: Vector3::repeat(f64::NAN),
             last_error: (Vector3::zeros(), Vector3::zeros()),
         }
+    }
+
+    /// The same for a filter that `blocks` have joined at run time.
+    #[must_use]
+    pub fn with_open(self, blocks: OpenBlocks) -> Self {
+        Self { open: blocks, ..self }
     }
 
     /// Takes in the slow readings of a sample.
@@ -115,6 +123,7 @@ impl Compensator {
             dither,
             coupled_dither: dither,
             time: sample.time - self.start,
+            open: self.open,
         };
         self.last_rate = rate;
         restrict::<F, f64>(&mut signals);

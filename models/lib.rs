@@ -160,8 +160,8 @@ pub use blocks::{
     AccelScale, AccelScaleAsymmetry, AccelTemperatureBias, AccelTemperatureRate, AccelTemperatureScale,
     Attitude, Dither, DitherSizeEffect, GyroBias, GyroBiasDrift, GyroGSensitivity, GyroMisalignment,
     GyroRateNonlinearity, GyroScale, GyroScaleAsymmetry, GyroTemperatureBias, InnerLeverArm,
-    InnerLeverArmTangential, OuterLeverArm, Position, ReferenceDelay, ReferenceMisalignment, ReferenceTilt,
-    Velocity,
+    InnerLeverArmTangential, Open, OpenBlocks, OpenError, OuterLeverArm, Position, ReferenceDelay,
+    ReferenceMisalignment, ReferenceTilt, Velocity,
 };
 #[doc(hidden)]
 pub use calib_core;
@@ -175,7 +175,9 @@ pub use calibration::{Calibration, Known};
 #[cfg(feature = "std")]
 pub use coarse::{Coarse, CoarseCalibration, CoarseError, CoarseParameter, UnknownPulses};
 pub use compensation::{Compensator, input_errors};
-pub use effects::{EFFECTS, Effect, EffectInfo, effect};
+pub use effects::{
+    AnyBlock, AnyEffect, CATALOGUE, Catalogue, EFFECTS, Effect, EffectInfo, Kind, any_effect, effect,
+};
 pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
     visit_filter,

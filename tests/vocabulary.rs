@@ -44,17 +44,17 @@ fn every_block_is_in_the_catalogue_with_its_table_and_its_derivation() {
 
 #[test]
 fn every_effect_is_documented_and_has_units_that_people_may_write() {
-    for effect in &EFFECTS {
-        let (name, table) = (effect.name(), &effect.table);
+    for effect in EFFECTS {
+        let name = effect.name();
         for (what, text) in [
-            ("description", table.description),
-            ("equation", table.equation),
-            ("source", table.source),
-            ("unit", table.unit),
+            ("description", effect.description()),
+            ("equation", effect.equation()),
+            ("source", effect.source()),
+            ("unit", effect.unit()),
         ] {
             assert!(!text.trim().is_empty(), "{name}: its {what} is empty");
         }
-        assert!(table.equation.contains('='), "{name}: `{}` is no equation", table.equation);
+        assert!(effect.equation().contains('='), "{name}: `{}` is no equation", effect.equation());
         let units = logs::units::of_parameters(effect.unit());
         let size = logs::units::scale(units, effect.sheet_unit).expect(name);
         assert!((size / effect.sheet_scale - 1.0).abs() < 1e-12, "{name}: {} is {size}", effect.sheet_unit);

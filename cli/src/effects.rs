@@ -16,7 +16,7 @@ impl Arguments {
     pub(crate) fn run(self) -> miette::Result<()> {
         let mut text =
             format!("{:27} {:>2}  {:14} {:18} equation\n", "effect", "n", "unit (SI)", "prior sigma");
-        for effect in &EFFECTS {
+        for effect in EFFECTS {
             describe(effect, &mut text);
         }
         output::print(&say::folded(&text, 31))

@@ -1,7 +1,7 @@
 //! The effects that are priced against a filter.
 
 use sinscal::prelude::*;
-use sinscal::{Setup, effect};
+use sinscal::{EffectInfo, Setup, effect};
 
 /// Every effect of the catalogue that a filter may do without: 21 effects, 61 states.
 ///
@@ -47,30 +47,14 @@ pub struct Candidates {
 /// Number of states of [`Candidates`], as a type.
 pub type CandidateStates = hybrid_array::typenum::U61;
 
-/// What the size of a candidate goes with: a unit whose biases are a thousand times those of a navigation-grade one has
-/// larger nonlinearities and temperature effects too.
-fn kin(block: &str) -> Option<&'static str> {
-    Some(match block {
-        "accel-temperature-bias" | "accel-temperature-rate" | "accel-bias-drift" => "accel-bias",
-        "accel-quadratic"
-        | "accel-temperature-scale"
-        | "accel-scale-asymmetry"
-        | "accel-cubic"
-        | "accel-cross-coupling" => "accel-scale",
-        "gyro-temperature-bias" | "gyro-g-sensitivity" | "gyro-bias-drift" => "gyro-bias",
-        "gyro-scale-asymmetry" | "gyro-rate-nonlinearity" => "gyro-scale",
-        _ => return None,
-    })
-}
-
 /// Factor on the default prior of a candidate that the description of the log does not name: how much larger than its
-/// default the stated prior of its kin is.
+/// default the stated prior of its kin is ([`EffectInfo::kin`]).
 pub(crate) fn prior_factor(setup: &Setup, block: &str) -> f64 {
     let stated = |name: &str| setup.priors.iter().find(|(n, _)| *n == name).map(|(_, sigma)| *sigma);
     if stated(block).is_some() {
         return 1.0;
     }
-    let Some(kin) = kin(block) else { return 1.0 };
+    let Some(kin) = effect(block).and_then(EffectInfo::kin) else { return 1.0 };
     match (stated(kin), effect(kin)) {
         (Some(stated), Some(effect)) if effect.prior_sigma > 0.0 => (stated / effect.prior_sigma).max(1.0),
         _ => 1.0,

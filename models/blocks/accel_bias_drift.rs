@@ -14,5 +14,6 @@ effect! {
         needs: &[needs::ACCEL_BIAS],
         prior: 3e-7,
         sheet: "ug/h" = MICRO_G / HOUR,
+        kin: "accel-bias",
     }
 }

@@ -17,5 +17,6 @@ effect! {
         needs: &[needs::ACCELEROMETER],
         prior: 5e-5,
         sheet: "ppm/K" = PPM,
+        kin: "accel-scale",
     }
 }

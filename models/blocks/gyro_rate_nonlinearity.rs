@@ -14,5 +14,6 @@ effect! {
         needs: &[],
         prior: 3e-4,
         sheet: "ppm/(deg/s)" = PPM / DEGREE,
+        kin: "gyro-scale",
     }
 }

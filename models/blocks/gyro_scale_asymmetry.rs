@@ -14,5 +14,6 @@ effect! {
         needs: &[],
         prior: 3e-5,
         sheet: "ppm" = PPM,
+        kin: "gyro-scale",
     }
 }

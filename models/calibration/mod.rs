@@ -15,7 +15,7 @@ use crate::compensation::Compensator;
 use crate::gate::Gate;
 use crate::outcome::{Diverged, Statistics, Update};
 use crate::strapdown::{Before, Increments, NavigationState};
-use crate::{Event, Observer, Point, Sample, Setup, Signals, Strapdown, earth};
+use crate::{Event, Observer, OpenBlocks, Point, Sample, Setup, Signals, Strapdown, earth};
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
 const STEP_ANGLE: f64 = 0.02;
@@ -71,6 +71,7 @@ struct Scalars {
     update_rate: f64,
     reference_temperature: f64,
     outer_lever: Vector3<f64>,
+    open: OpenBlocks,
 }
 
 /// What the samples since the last step of the leading dynamics add up to.
@@ -93,11 +94,21 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
 
     /// A run whose prior standard deviations go through `adjust(state, info, sigma)`; a parameter with zero takes no
     /// part.
-    pub fn with_prior(setup: &Setup, mut adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
-        let mut prior = Kalman::<F, f64, C>::prior();
+    pub fn with_prior(setup: &Setup, adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
+        Self::with_open(setup, OpenBlocks::NONE, adjust)
+    }
+
+    /// [`with_prior`](Self::with_prior) for a filter with the block [`Open`](crate::Open), which `blocks` take.
+    pub fn with_open(
+        setup: &Setup,
+        blocks: OpenBlocks,
+        mut adjust: impl FnMut(usize, &StateInfo, f64) -> f64,
+    ) -> Self {
+        let mut prior = F::Shape::vector(0.0);
         let mut lever_at = None;
         let mut i = 0;
-        F::states(&mut |info| {
+        blocks.states_of::<F>(&mut |info| {
+            prior[i] = info.prior_sigma;
             if let Some((_, sigma)) = setup.priors.iter().find(|(name, _)| *name == info.block) {
                 prior[i] = *sigma;
             }
@@ -137,6 +148,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             update_rate: setup.update_rate,
             reference_temperature: setup.reference_temperature,
             outer_lever: setup.outer_lever,
+            open: blocks,
         };
         Self {
             kalman: Kalman::new(&prior),
@@ -146,7 +158,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             prior,
             lever_at,
             pilot: None,
-            compensator: Compensator::new(setup.reference_temperature),
+            compensator: Compensator::new(setup.reference_temperature).with_open(blocks),
             navigation: NavigationState::at_rest(&setup.site, setup.initial.attitude),
             before: Before::nothing(),
             previous_rate: Vector3::zeros(),
@@ -177,7 +189,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         }
         self.pilot = Some(Kalman::new(&self.prior));
         self.transition.reset();
-        self.compensator = Compensator::new(self.setup.reference_temperature);
+        self.compensator = Compensator::new(self.setup.reference_temperature).with_open(self.setup.open);
         self.navigation = NavigationState::at_rest(&self.setup.site, self.setup.initial.attitude);
         self.before = Before::nothing();
         self.time = None;
@@ -367,6 +379,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
                 - Vector3::z() * earth::gravity(navigation.latitude, navigation.height)
                 + c_bn * rate_eb.cross(&rate_eb.cross(&lever)),
             point_position: position + c_bn * lever,
+            open: self.setup.open,
         }
     }
 }

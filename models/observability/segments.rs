@@ -215,6 +215,7 @@ impl Segmenter {
             dither,
             coupled_dither: dither,
             time: sums.since / time,
+            ..Signals::default()
         };
         let rate_eb = rate - c_bn.transpose() * earth::rotation_n(self.site.latitude);
         let point = Point {
@@ -229,6 +230,7 @@ impl Segmenter {
             point_velocity: c_bn * rate_eb.cross(&self.lever),
             point_acceleration: c_bn * rate_eb.cross(&rate_eb.cross(&self.lever)),
             point_position: Vector3::zeros(),
+            ..Point::default()
         };
         Segment { start: sums.start, duration: time, turning, signals, point }
     }

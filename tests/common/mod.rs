@@ -50,6 +50,7 @@ pub(crate) fn signals(t: f64) -> Signals<f64> {
         dither: Vector3::new(3e-3, 4e-3, 5e-3),
         coupled_dither: Vector3::new(3e-3, 4e-3, 5e-3),
         time: t,
+        ..Signals::default()
     }
 }
 
@@ -69,6 +70,7 @@ pub(crate) fn point(numbers: &mut Numbers) -> Point<f64> {
         point_velocity: velocity + c_bn * rate_eb.cross(&lever),
         point_acceleration: numbers.vector(1.0),
         point_position: numbers.vector(5.0),
+        ..Point::default()
     }
 }
 

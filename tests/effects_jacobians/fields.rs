@@ -1,7 +1,7 @@
 //! Random points, and NaN in chosen fields of them.
 
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
-use sinscal::{Point, Signals};
+use sinscal::{OpenBlocks, Point, Signals};
 
 /// Numbers for tests: a linear congruential generator.
 pub(crate) struct Random(u64);
@@ -54,6 +54,7 @@ impl Inputs for Signals<f64> {
             dither: random.vector(0.05).abs(),
             coupled_dither: random.vector(0.05).abs(),
             time: 1800.0 * (random.unit() + 1.0),
+            open: OpenBlocks::NONE,
         }
     }
 
@@ -69,6 +70,7 @@ impl Inputs for Signals<f64> {
             dither: v,
             coupled_dither: v,
             time: f64::NAN,
+            open: OpenBlocks::NONE,
         }
     }
 
@@ -84,6 +86,7 @@ impl Inputs for Signals<f64> {
             dither,
             coupled_dither,
             time,
+            open: _,
         } = self;
         visit("time".to_owned(), time);
         let vectors = [
@@ -114,6 +117,7 @@ impl Inputs for Point<f64> {
             point_velocity: random.vector(10.0),
             point_acceleration: random.vector(10.0),
             point_position: random.vector(100.0),
+            open: OpenBlocks::NONE,
         }
     }
 
@@ -131,6 +135,7 @@ impl Inputs for Point<f64> {
             point_velocity: v,
             point_acceleration: v,
             point_position: v,
+            open: OpenBlocks::NONE,
         }
     }
 
@@ -147,6 +152,7 @@ impl Inputs for Point<f64> {
             point_velocity,
             point_acceleration,
             point_position,
+            open: _,
         } = self;
         for row in 0..3 {
             for column in 0..3 {

@@ -137,10 +137,12 @@ fn scenario(hidden: &'static EffectInfo, base: &str) -> Result<Scenario> {
     let own = states(base);
     scenario.keep_effects(|name| own.contains(&name) || name == hidden.name());
     let known = scenario.population.iter().any(|population| population.effect.name() == hidden.name());
-    if !known && hidden.name() != "dither-size-effect" {
+    let effect =
+        sinscal::any_effect(hidden.name()).filter(|_| !known && hidden.name() != "dither-size-effect");
+    if let Some(effect) = effect {
         let size = vec![SIZE * hidden.prior_sigma; hidden.components().len()];
         let sigma = size.iter().map(|size| 0.5 * size).collect();
-        scenario.population.push(Population { effect: hidden, mean: size, sigma });
+        scenario.population.push(Population { effect, mean: size, sigma });
     }
     scenario.dither.mode =
         if hidden.name() == "dither-size-effect" { DitherMode::Mean } else { DitherMode::Off };

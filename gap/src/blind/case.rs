@@ -5,7 +5,7 @@ use core::fmt;
 use nalgebra::Vector3;
 use rig::scenario::{Path, Population};
 use rig::{DitherMode, Scenario, ScenarioError, Simulation, TemperatureProfile};
-use sinscal::{FILTERS, Sample, effect};
+use sinscal::{FILTERS, Sample, any_effect};
 
 use super::Grade;
 use crate::random::Stream;
@@ -317,14 +317,14 @@ fn simulate(
     });
     let mut stream = Stream::new(seed, SIZE);
     for name in names.iter().filter(|n| **n != DITHER) {
-        let Some(effect) = effect(name) else { continue };
+        let Some(effect) = any_effect(name) else { continue };
         let size = match hidden {
             Hidden::Effects(_, strength) => {
                 EFFECTS.iter().find(|e| e.0 == *name).map_or(0.0, |e| e.1 * strength)
             }
-            _ => 0.1 * effect.prior_sigma,
+            _ => 0.1 * effect.info().prior_sigma,
         };
-        let mut mean: Vec<f64> = effect.components().iter().map(|_| stream.normal()).collect();
+        let mut mean: Vec<f64> = (0..effect.dim()).map(|_| stream.normal()).collect();
         let norm = mean.iter().map(|v| v * v).sum::<f64>().sqrt();
         for v in &mut mean {
             *v *= size / norm;
