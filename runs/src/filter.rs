@@ -13,8 +13,24 @@ use crate::samples::Samples;
 
 /// What every declared filter can do, without its type: what commands, campaigns and diagnoses are written for.
 pub trait AnyFilter: Send + Sync {
-    /// What its declaration says.
-    fn info(&self) -> &FilterInfo;
+    /// Name on the command line.
+    fn name(&self) -> &'static str;
+
+    /// What it holds, in a few words.
+    fn about(&self) -> String;
+
+    /// Passes over a log that a unit of its class needs.
+    fn passes(&self) -> u32;
+
+    /// Names of the measurements, in order.
+    fn measures(&self) -> Vec<&'static str>;
+
+    /// The states in order.
+    fn states(&self) -> Vec<StateInfo>;
+
+    /// Whether it takes the size effect of the dither from the places of the accelerometers: it then needs a log that tells the
+    /// dither.
+    fn needs_dither(&self) -> bool;
 
     /// Starts it; samples are handed over pass by pass.
     fn start(&self, setup: &Setup, options: &Options) -> Box<dyn Running>;
@@ -28,31 +44,9 @@ pub trait AnyFilter: Send + Sync {
     /// A pilot with known parameters, by name as in [`parameters_of`].
     fn pilot(&self, setup: &Setup, value: &mut dyn FnMut(&StateInfo) -> Option<f64>) -> Box<dyn Pilot>;
 
-    /// Name on the command line.
-    fn name(&self) -> &'static str {
-        self.info().name
-    }
-
     /// What people call it: its name, and what was added to it.
     fn title(&self) -> String {
         self.name().to_owned()
-    }
-
-    /// Passes over a log that a unit of its class needs.
-    fn passes(&self) -> u32 {
-        self.info().passes
-    }
-
-    /// Names of the measurements, in order.
-    fn measures(&self) -> Vec<&'static str> {
-        self.info().measures().collect()
-    }
-
-    /// The states in order.
-    fn states(&self) -> Vec<StateInfo> {
-        let mut states = Vec::new();
-        self.info().describe(&mut |state| states.push(state));
-        states
     }
 
     /// The states after those of the navigation, in order.
@@ -75,8 +69,30 @@ impl<F: Filter<Dynamics = Strapdown>> Declared<F> {
 }
 
 impl<F: Filter<Dynamics = Strapdown>> AnyFilter for Declared<F> {
-    fn info(&self) -> &FilterInfo {
-        &self.info
+    fn name(&self) -> &'static str {
+        F::NAME
+    }
+
+    fn about(&self) -> String {
+        self.info.about.to_owned()
+    }
+
+    fn passes(&self) -> u32 {
+        self.info.passes
+    }
+
+    fn measures(&self) -> Vec<&'static str> {
+        self.info.measures().collect()
+    }
+
+    fn states(&self) -> Vec<StateInfo> {
+        let mut states = Vec::with_capacity(F::DIM);
+        F::states(&mut |state| states.push(state));
+        states
+    }
+
+    fn needs_dither(&self) -> bool {
+        self.info.needs_dither()
     }
 
     fn start(&self, setup: &Setup, options: &Options) -> Box<dyn Running> {

@@ -145,7 +145,7 @@ impl Arguments {
                 LARGEST_TURN / DEGREE
             ));
         }
-        if filter.info().needs_dither() && !outcome.dithers {
+        if filter.needs_dither() && !outcome.dithers {
             say::warn(&format!(
                 "{} reckons with the dither, and the log tells none in dither_x, dither_y, dither_z: if the unit dithers, what \
                  that does to the accelerometers is in the estimates",

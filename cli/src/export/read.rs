@@ -69,7 +69,7 @@ pub(super) fn read(path: &Path) -> Result<Calibration> {
         filter: calibrated.filter.name(),
         source: source(path, calibrated.filter.name(), &document)?,
         reference_temperature: document["reference_temperature_c"].as_f64(),
-        dither: calibrated.filter.info().needs_dither(),
+        dither: calibrated.filter.needs_dither(),
         pulses: [("gyro-pulse", "rad", "gyro_rad_per_pulse"), ("accel-pulse", "m/s", "accel_m_s_per_pulse")]
             .into_iter()
             .filter_map(|(name, unit, field)| {
