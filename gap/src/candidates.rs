@@ -44,9 +44,6 @@ pub struct Candidates {
     reference_tilt: ReferenceTilt,
 }
 
-/// Number of states of [`Candidates`], as a type.
-pub type CandidateStates = hybrid_array::typenum::U61;
-
 /// What the size of a candidate goes with: a unit whose biases are a thousand times those of a navigation-grade one has
 /// larger nonlinearities and temperature effects too.
 fn kin(block: &str) -> Option<&'static str> {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use miette::{Result, miette};
 use serde_json::Value;
-use sinscal::{Block, Dither, EffectInfo, Filter, FilterVisitor, Strapdown, visit_filter};
+use sinscal::{Dither, EffectInfo, Filter, FilterVisitor, Strapdown, declares, visit_filter};
 
 use crate::navigate;
 use crate::report::origin;
@@ -46,7 +46,7 @@ impl FilterVisitor for Dithers {
     type Output = bool;
 
     fn visit<F: Filter<Dynamics = Strapdown>>(self) -> bool {
-        F::SET.contains(Dither::SET)
+        declares::<F, Dither>()
     }
 }
 

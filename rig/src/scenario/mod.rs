@@ -6,8 +6,7 @@ mod read;
 mod reader;
 
 use nalgebra::{UnitQuaternion, Vector3};
-use sinscal::blocks::set::DITHER;
-use sinscal::{EffectInfo, Filter, InitialAttitude, Site};
+use sinscal::{Dither, EffectInfo, Filter, InitialAttitude, Site, declares};
 
 use crate::environment::TemperaturePlan;
 use crate::motion::{
@@ -285,7 +284,7 @@ impl Scenario {
     pub fn modelled_by<F: Filter>(mut self) -> Self {
         let mut names = Vec::new();
         F::states(&mut |info| names.push(info.block));
-        if F::SET.intersects(DITHER) {
+        if declares::<F, Dither>() {
             names.push("dither-size-effect");
         }
         self.keep_effects(|effect| names.contains(&effect));
