@@ -168,8 +168,9 @@ pub use calib_core;
 #[cfg(feature = "check")]
 pub use calib_core::check;
 pub use calib_core::{
-    Block, BlockSet, BlockView, ChannelGroup, Conventional, Dim, Dynamics, Estimate, Filter, Form,
-    Innovation, Kalman, Need, Real, Relaxation, Residuals, Shape, StateInfo, Transition, Ud, View,
+    Block, BlockView, BlockVisitor, ChannelGroup, Conventional, Counted, Dim, Dynamics, Estimate, Extended,
+    Filter, Form, Innovation, Kalman, Leaf, Need, Real, Relaxation, Residuals, Shape, StateInfo, Transition,
+    Ud, View, declares, first_state, leaves, relaxations, relaxes,
 };
 pub use calibration::{Calibration, Known};
 #[cfg(feature = "std")]
@@ -198,8 +199,8 @@ pub mod prelude {
     pub use crate::blocks::groups::*;
     pub use crate::blocks::*;
     pub use crate::{
-        Block, BlockSet, BlockView, Calibration, ChannelGroup, Conventional, Dynamics, Filter, Kalman, Need,
-        Real, Relaxation, Residuals, StateBlocks, StateInfo, Strapdown, Transition, Ud,
+        Block, BlockView, Calibration, ChannelGroup, Conventional, Dynamics, Filter, Kalman, Need, Real,
+        Relaxation, Residuals, StateBlocks, StateInfo, Strapdown, Transition, Ud,
     };
 }
 

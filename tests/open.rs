@@ -126,6 +126,7 @@ struct Short;
 impl Block for Short {
     type Dynamics = Strapdown;
     type View<'a, T: Real> = BlockView<'a, Self, T>;
+    const NAME: &'static str = "short";
     const DIM: usize = 2;
 
     fn states(visit: &mut dyn FnMut(StateInfo)) {

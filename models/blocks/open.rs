@@ -19,8 +19,6 @@ use crate::{AnyBlock, Point, Signals, Strapdown};
 pub struct Open;
 
 impl Open {
-    /// Its name in the declaration; states that are taken carry the names of their own blocks.
-    pub const NAME: &'static str = "open";
     /// Number of its states.
     pub const CAPACITY: usize = 24;
 }
@@ -46,6 +44,8 @@ impl Block for Open {
     type Dynamics = Strapdown;
     type View<'a, T: Real> = BlockView<'a, Self, T>;
 
+    /// States that are taken carry the names of their own blocks.
+    const NAME: &'static str = "open";
     const DIM: usize = Self::CAPACITY;
 
     fn states(visit: &mut dyn FnMut(StateInfo)) {

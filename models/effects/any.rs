@@ -3,7 +3,7 @@
 use core::fmt::{Debug, Formatter, Result};
 use core::marker::PhantomData;
 
-use calib_core::{Block, Relaxation, StateInfo};
+use calib_core::{Block, Relaxation, StateInfo, relaxations};
 
 use super::{Effect, EffectInfo};
 use crate::{Point, Signals, Strapdown};
@@ -79,7 +79,7 @@ impl<B: Block<Dynamics = Strapdown>> AnyBlock for Erased<B> {
     }
 
     fn relaxation(&self, put: &mut dyn FnMut(usize, Relaxation<f64>)) {
-        B::relaxation(&mut |state, relaxation| put(state, relaxation));
+        relaxations::<B, f64>(put);
     }
 }
 

@@ -20,7 +20,7 @@ mod information;
 mod segments;
 
 use calib_core::{
-    Array, Decomposition, Filter, Measurement, ObservabilityRows, Shape, Triangle, Vector, restrict,
+    Array, Decomposition, Dynamics, Filter, Measurement, ObservabilityRows, Shape, Triangle, Vector, relaxes,
 };
 
 use crate::{Calibration, Conventional, Setup, Strapdown};
@@ -72,9 +72,9 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
     /// parameters' part of F is zero). With parameters that relax all N are taken.
     pub fn add(&mut self, segment: &Segment) {
         let mut signals = segment.signals;
-        restrict::<F, f64>(&mut signals);
+        Strapdown::restrict::<F, f64>(&mut signals);
         let mut rows = ObservabilityRows::<F, f64>::new(&segment.point, &signals, segment.duration);
-        let powers = if F::RELAXES { F::Shape::STATES } else { F::Shape::CORE };
+        let powers = if relaxes::<F>() { F::Shape::STATES } else { F::Shape::CORE };
         let mut factorial = 1.0;
         for k in 0..=powers {
             if k > 0 {

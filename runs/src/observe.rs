@@ -1,7 +1,6 @@
 //! Driving the library's views of what a log can tell.
 
 use calib_core::{Decomposition, Extended};
-use hybrid_array::typenum::U3;
 use sinscal::observability::{
     Direction, Information, Observability, Segment, Segmenter, TOLERANCE, basis, prior,
 };
@@ -231,10 +230,10 @@ fn with_dither(filter: &str, setup: &Setup) -> Option<Box<dyn Rows>> {
         Some(Box::new(Observability::<F>::new(setup)))
     }
     match filter {
-        "36d-p" => rows::<Extended<Sins36P, DitherSizeEffect, U3>>(setup),
-        "39d-p" => rows::<Extended<Sins39P, DitherSizeEffect, U3>>(setup),
-        "40d-p" => rows::<Extended<Sins40P, DitherSizeEffect, U3>>(setup),
-        "43d-p" => rows::<Extended<Sins43P, DitherSizeEffect, U3>>(setup),
+        "36d-p" => rows::<Extended<Sins36P, DitherSizeEffect>>(setup),
+        "39d-p" => rows::<Extended<Sins39P, DitherSizeEffect>>(setup),
+        "40d-p" => rows::<Extended<Sins40P, DitherSizeEffect>>(setup),
+        "43d-p" => rows::<Extended<Sins43P, DitherSizeEffect>>(setup),
         _ => None,
     }
 }
