@@ -121,7 +121,7 @@ impl Compensator {
             temperature_rate: self.temperature.rate,
             gyro_temperature: gyro_temperature.add_scalar(-self.reference_temperature),
             dither,
-            coupled_dither: dither,
+            coupled_dither: if self.open.couples_dither() { dither } else { Vector3::zeros() },
             time: sample.time - self.start,
             open: self.open,
         };

@@ -64,6 +64,7 @@
 //!     reference_temperature: 25.0,
 //!     outer_lever: Vector3::zeros(),
 //!     priors: &[("accel-bias", 5e-3)],
+//!     open: sinscal::OpenBlocks::NONE,
 //! };
 //! let mut run = Calibration::<Sins36P>::new(&setup);
 //! for k in 1..=500 {
@@ -183,6 +184,7 @@ pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
     visit_filter,
 };
+pub use gate::Gate;
 #[cfg(feature = "std")]
 pub use innovations::{ChannelInnovations, Innovations};
 pub use observer::{Event, Observer, Refusal};

@@ -95,16 +95,8 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
 
     /// A run whose prior standard deviations go through `adjust(state, info, sigma)`; a parameter with zero takes no
     /// part.
-    pub fn with_prior(setup: &Setup, adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
-        Self::with_open(setup, OpenBlocks::NONE, adjust)
-    }
-
-    /// [`with_prior`](Self::with_prior) for a filter with the block [`Open`](crate::Open), which `blocks` take.
-    pub fn with_open(
-        setup: &Setup,
-        blocks: OpenBlocks,
-        mut adjust: impl FnMut(usize, &StateInfo, f64) -> f64,
-    ) -> Self {
+    pub fn with_prior(setup: &Setup, mut adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
+        let blocks = setup.open;
         let mut prior = F::Shape::vector(0.0);
         let mut i = 0;
         blocks.states_of::<F>(&mut |info| {
@@ -207,6 +199,16 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             self.kalman.x_mut()[i] = 0.0;
         }
         self.pilot = None;
+    }
+
+    /// How the readings of the reference were spread so far.
+    pub fn gate(&self) -> Gate {
+        self.gate
+    }
+
+    /// Judges the reference in the next pass by how its readings were spread in one of another filter over the same log.
+    pub fn judge_as(&mut self, gate: Gate) {
+        self.gate = gate;
     }
 
     /// Judges the reference in the next pass by how its readings were spread in one of another filter over the same log.

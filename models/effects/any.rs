@@ -1,5 +1,6 @@
 //! Blocks and effects known at run time only.
 
+use core::any::TypeId;
 use core::fmt::{Debug, Formatter, Result};
 use core::marker::PhantomData;
 
@@ -33,6 +34,10 @@ pub trait AnyBlock: Send + Sync {
 pub trait AnyEffect: AnyBlock {
     /// Its entry.
     fn info(&self) -> &'static EffectInfo;
+    /// Its type.
+    fn id(&self) -> TypeId;
+    /// It as a block.
+    fn block(&self) -> &'static dyn AnyBlock;
     /// [`Effect::error`].
     fn error(&self, signals: &Signals<f64>, values: &[f64], error: &mut [f64; 6]);
     /// [`Effect::reference_error`].
@@ -86,6 +91,14 @@ impl<B: Block<Dynamics = Strapdown>> AnyBlock for Erased<B> {
 impl<E: Effect> AnyEffect for Erased<E> {
     fn info(&self) -> &'static EffectInfo {
         const { &E::EFFECT }
+    }
+
+    fn id(&self) -> TypeId {
+        TypeId::of::<E>()
+    }
+
+    fn block(&self) -> &'static dyn AnyBlock {
+        <dyn AnyBlock>::of::<E>()
     }
 
     fn error(&self, signals: &Signals<f64>, values: &[f64], error: &mut [f64; 6]) {

@@ -91,6 +91,14 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
         }
     }
 
+    /// Takes a state for known: a row that it alone moves, by twice the tolerance. What is decomposed then has a singular value for it
+    /// that says nothing of the data.
+    pub fn know(&mut self, state: usize) {
+        let mut row = F::Shape::vector(0.0);
+        row[state] = 2.0 * TOLERANCE;
+        self.triangle.append(&row);
+    }
+
     /// Takes in what another one has stacked.
     pub fn join(&mut self, other: &Self) {
         self.triangle.join(&other.triangle);
