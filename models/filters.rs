@@ -140,7 +140,8 @@ pub struct FilterInfo {
 }
 
 impl FilterInfo {
-    const fn of<F: Filter<Dynamics = Strapdown>>(passes: u32, about: &'static str) -> Self {
+    /// What the declaration of `F` says, with the passes its class of units needs and what it holds in a few words.
+    pub const fn of<F: Filter<Dynamics = Strapdown>>(passes: u32, about: &'static str) -> Self {
         let (blocks, measures) = (F::SET, F::MEASURES);
         Self { name: F::NAME, states: F::DIM, about, passes, blocks, measures, describe: F::states }
     }

@@ -55,10 +55,10 @@ fn every_effect_is_documented_and_has_units_that_people_may_write() {
             assert!(!text.trim().is_empty(), "{name}: its {what} is empty");
         }
         assert!(effect.equation().contains('='), "{name}: `{}` is no equation", effect.equation());
-        let units = rig::units::of_parameters(effect.unit());
-        let size = rig::units::scale(units, effect.sheet_unit).expect(name);
+        let units = logs::units::of_parameters(effect.unit());
+        let size = logs::units::scale(units, effect.sheet_unit).expect(name);
         assert!((size / effect.sheet_scale - 1.0).abs() < 1e-12, "{name}: {} is {size}", effect.sheet_unit);
-        assert_eq!(rig::units::scale(units, effect.unit()), Ok(1.0), "{name}");
+        assert_eq!(logs::units::scale(units, effect.unit()), Ok(1.0), "{name}");
     }
 }
 

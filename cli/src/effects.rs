@@ -5,8 +5,8 @@ use std::fmt::Write;
 use clap::Args;
 use sinscal::{EFFECTS, EffectInfo};
 
-use crate::figures::significant;
 use crate::{output, say};
+use reports::figures::significant;
 
 /// List the effects: parameters, units, priors, equations
 #[derive(Args)]

@@ -2,7 +2,7 @@
 
 use sinscal::Diverged;
 
-use crate::log::ReadError;
+use runs::ReadError;
 
 /// The log to diagnose, as errors name it.
 pub(crate) const FIRST: &str = "log";
@@ -17,7 +17,7 @@ pub enum Error {
     Unreadable {
         /// Which log.
         log: &'static str,
-        /// What its [`Samples`](crate::Samples) say.
+        /// What its [`Samples`](runs::Samples) say.
         source: ReadError,
     },
     /// A filter diverged.

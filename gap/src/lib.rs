@@ -1,7 +1,7 @@
 //! Finds the effect that a calibration filter lacks: where prediction and measurement disagree, which effect is missing, and
 //! whether adding it shrinks the gap on data that was not used to choose it.
 //!
-//! [`diagnose`] is the whole workflow; it does no input or output: samples come from whatever implements [`Samples`]. A log is run closed loop with every effect of the
+//! [`diagnose`] is the whole workflow; it does no input or output: samples come from whatever implements [`runs::Samples`]. A log is run closed loop with every effect of the
 //! catalogue in the filter, and recorded once about that trajectory. From there everything is linear: the noise is fitted,
 //! every effect and every set of effects is priced from one run (Friedland's separate bias, exact), thresholds are
 //! simulated, the smallest adequate set is named and put to a second log, and what no effect explains is compared with a
@@ -60,7 +60,7 @@ pub use declaration::{BaseFilter, declaration};
 pub use diagnose::{Options, diagnose, diagnose_named, diagnose_with};
 pub use error::Error;
 pub use linear::Noise;
-pub use log::{Log, ReadError, Samples};
+pub use log::Log;
 pub use pricing::Pricing;
 pub use report::{
     Diagnosis, Evidence, FoundEffect, Gap, Horizontal, LogGap, NoiseScale, Place, Rival, Verdict,

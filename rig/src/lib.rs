@@ -34,9 +34,7 @@ pub mod random;
 pub mod scenario;
 mod sensors;
 mod simulate;
-pub mod suggest;
 mod truth;
-pub mod units;
 
 pub use description::Description;
 pub use dither::DitherMotion;

@@ -1,11 +1,12 @@
 //! The report of the demonstration.
 
+use crate::origin::Documented as _;
 use sinscal::StateInfo;
 
 use super::story::{Fit, PATHS, Story};
 use super::{fit, hidden, largest_error};
-use crate::figures::significant;
-use crate::report::{Item, Report, Section, Table, Tone, diagnosis, number, parts, text};
+use reports::figures::significant;
+use reports::{Item, Report, Section, Table, Tone, diagnosis, number, parts, text};
 
 /// Everything that happened, in the order a reviewer reads.
 pub(super) fn report(story: &Story) -> Report {
@@ -25,7 +26,7 @@ pub(super) fn report(story: &Story) -> Report {
     let mut sections = vec![what_happened(story)];
     sections.append(&mut page.sections);
     if !story.found.effects.is_empty() {
-        sections.insert(2, diagnosis::against_truth(&story.found, &story.truth));
+        sections.insert(2, diagnosis::against_truth(&story.found, &|name, i| story.truth.value(name, i)));
     }
     // remarks and source come when the story is told
     let told =

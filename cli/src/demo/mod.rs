@@ -15,8 +15,9 @@ use rig::Truth;
 use sinscal::Parameter;
 
 use self::story::Story;
-use crate::figures::{decimals, significant};
+use crate::origin::Documented as _;
 use crate::output::{self, Files};
+use reports::figures::{decimals, significant};
 
 /// What its help ends with.
 const EXAMPLES: &str = "\

@@ -12,9 +12,9 @@ use sinscal::{
 };
 use study::Plan;
 
-use crate::history::History;
-use crate::report::inputs::Inputs;
 use crate::say;
+use reports::Inputs;
+use runs::History;
 
 /// How the unit is moved in the two runs, in words.
 pub(super) const PATHS: [&str; 2] = ["on 18 rotations", "on 19 positions, warmed otherwise"];
@@ -221,7 +221,7 @@ impl Fit {
         };
         let mut width = 0;
         taken(&calibration, &mut |_| width += 1);
-        let mut history = History::new(width);
+        let mut history = History::new(width, 0.0);
         let mut observer = None;
         for pass in 0..PASSES {
             if pass > 0 {
@@ -233,10 +233,10 @@ impl Fit {
             }
             for sample in &run.samples {
                 let update = calibration.step_observed(sample, &mut observer)?;
-                if update.is_some() && history.due() {
-                    history.push(sample.time, |put| {
-                        taken(&calibration, &mut |parameter| put(parameter.value, parameter.sigma));
-                    });
+                if update.is_some() && history.due(sample.time) {
+                    let mut now = Vec::with_capacity(width);
+                    taken(&calibration, &mut |parameter| now.push((parameter.value, parameter.sigma)));
+                    history.push(sample.time, now.into_iter());
                 }
             }
         }

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use miette::{Result, miette};
 use serde_json::Value;
-use sinscal::{Block, Dither, EffectInfo, Filter, FilterVisitor, Strapdown, visit_filter};
+use sinscal::EffectInfo;
 
 use crate::navigate;
-use crate::report::origin;
+use crate::origin;
 
 /// A calibration to be written in another form.
 pub(super) struct Calibration {
@@ -39,17 +39,6 @@ impl Calibration {
     }
 }
 
-/// Whether a filter models what dither does to the accelerometers.
-struct Dithers;
-
-impl FilterVisitor for Dithers {
-    type Output = bool;
-
-    fn visit<F: Filter<Dynamics = Strapdown>>(self) -> bool {
-        F::SET.contains(Dither::SET)
-    }
-}
-
 /// Reads and checks the calibration in `path`.
 pub(super) fn read(path: &Path) -> Result<Calibration> {
     let at = path.display();
@@ -77,10 +66,10 @@ pub(super) fn read(path: &Path) -> Result<Calibration> {
         return Err(miette!("{at}: nothing was estimated, so there is nothing to write"));
     }
     Ok(Calibration {
-        filter: calibrated.filter,
-        source: source(path, calibrated.filter, &document)?,
+        filter: calibrated.filter.name(),
+        source: source(path, calibrated.filter.name(), &document)?,
         reference_temperature: document["reference_temperature_c"].as_f64(),
-        dither: visit_filter(calibrated.filter, Dithers).unwrap_or_default(),
+        dither: calibrated.filter.needs_dither(),
         pulses: [("gyro-pulse", "rad", "gyro_rad_per_pulse"), ("accel-pulse", "m/s", "accel_m_s_per_pulse")]
             .into_iter()
             .filter_map(|(name, unit, field)| {

@@ -11,7 +11,7 @@ use super::fault::{Fault, ScenarioError};
 use super::reader::{Must, Reader, as_table};
 use super::{DEFAULT_SCENARIO, InitialPlan, ReferencePlan, Scenario};
 use crate::noise::NoiseFigures;
-use crate::units;
+use logs::units;
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 const DAY: f64 = 86_400.0;

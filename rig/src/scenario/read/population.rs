@@ -4,7 +4,7 @@ use sinscal::{AnyEffect, CATALOGUE};
 
 use crate::scenario::Population;
 use crate::scenario::reader::{Entry, Must, Reader, as_table};
-use crate::{suggest, units};
+use logs::{suggest, units};
 
 /// Parameters may be this many times their default prior.
 const ABSURD: f64 = 1e6;
