@@ -13,6 +13,10 @@ const STILL: f64 = 1e-10;
 /// There are at most so many rounds: MEMS errors then reach 1e-10 of the signal even at the first sample.
 const ROUNDS: usize = 6;
 
+/// The specific force in n is smoothed over this time before its change is taken, s: as short as differences of single samples allow
+/// that carry white noise, since a change is seen so much late.
+const SMOOTHING: f64 = 0.01;
+
 /// Follows the environment along a log and compensates each sample with filter `F`'s parameters.
 ///
 /// Temperature and dither readings are held until the next one arrives; before the first, the temperature is the
@@ -26,6 +30,8 @@ pub struct Compensator {
     dither: Vector3<f64>,
     open: OpenBlocks,
     last_rate: Vector3<f64>,
+    /// Smoothed specific force as read, turned along with the body: constant where it is constant in n.
+    smooth_force: Vector3<f64>,
     /// Errors of rate and force at the last sample.
     last_error: (Vector3<f64>, Vector3<f64>),
 }
@@ -72,6 +78,7 @@ impl Compensator {
             dither: Vector3::zeros(),
             open: OpenBlocks::NONE,
             last_rate: Vector3::repeat(f64::NAN),
+            smooth_force: Vector3::zeros(),
             last_error: (Vector3::zeros(), Vector3::zeros()),
         }
     }
@@ -112,11 +119,14 @@ impl Compensator {
             self.temperature.value
         };
         let dither = self.dither.component_mul(&self.dither) * 0.5;
-        let before = if self.last_rate.x.is_nan() { rate } else { self.last_rate };
+        let first = self.last_rate.x.is_nan();
+        let before = if first { rate } else { self.last_rate };
+        let change_n = self.follow(&force, &((rate + before) * (0.5 * dt)), dt, first);
         let mut signals = Signals {
             rate,
             angular_acceleration: (rate - before) / dt,
             force,
+            force_rate: change_n,
             temperature: self.temperature.value.add_scalar(-self.reference_temperature),
             temperature_rate: self.temperature.rate,
             gyro_temperature: gyro_temperature.add_scalar(-self.reference_temperature),
@@ -132,6 +142,7 @@ impl Compensator {
         for _ in 0..ROUNDS {
             signals.rate = rate - error.0;
             signals.force = force - error.1;
+            signals.force_rate = change_n + signals.force.cross(&signals.rate);
             let before = error;
             error = input_errors::<F, f64>(&signals, parameters);
             if (error.0 - before.0).amax() <= still_rate && (error.1 - before.1).amax() <= still_force {
@@ -142,6 +153,25 @@ impl Compensator {
         signals.force = force - error.1;
         self.last_error = error;
         (Increments { dtheta: signals.rate * dt, dvel: signals.force * dt }, signals)
+    }
+}
+
+impl Compensator {
+    /// Change of the specific force in n, m/s^3, along the axes of b, smoothed; `turn` has brought the body from the middle of the last
+    /// interval to that of this one.
+    ///
+    /// It is taken from the readings as they are. Their errors count as little as the delay is short; what has been compensated
+    /// with the delay would feed its own noise back.
+    fn follow(&mut self, force: &Vector3<f64>, turn: &Vector3<f64>, dt: f64, first: bool) -> Vector3<f64> {
+        if first {
+            self.smooth_force = *force;
+            return Vector3::zeros();
+        }
+        let carried =
+            self.smooth_force - turn.cross(&(self.smooth_force - turn.cross(&self.smooth_force) * 0.5));
+        let change = (force - carried) / (SMOOTHING + dt);
+        self.smooth_force = carried + change * dt;
+        change
     }
 }
 

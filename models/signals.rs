@@ -17,6 +17,8 @@ pub struct Signals<T: Real> {
     pub angular_acceleration: Vector3<T>,
     /// Specific force at the IMU's sensitive centre, m/s^2.
     pub force: Vector3<T>,
+    /// Its time derivative as the body sees it, f_b', m/s^3: `-omega x f` where the specific force in n is constant.
+    pub force_rate: Vector3<T>,
     /// Temperature at each accelerometer minus the reference temperature, K.
     pub temperature: Vector3<T>,
     /// Its time derivative, K/s.
@@ -41,6 +43,7 @@ impl<T: Real> Signals<T> {
             rate: self.rate.map(of),
             angular_acceleration: self.angular_acceleration.map(of),
             force: self.force.map(of),
+            force_rate: self.force_rate.map(of),
             temperature: self.temperature.map(of),
             temperature_rate: self.temperature_rate.map(of),
             gyro_temperature: self.gyro_temperature.map(of),

@@ -205,10 +205,12 @@ impl Segmenter {
         let rate = sums.turn / time;
         let site = NavigationState::<f64>::at_rest(&self.site, attitude);
         let dither = sums.dither / time;
+        let force = c_bn.transpose() * force_n;
         let signals = Signals {
             rate,
             angular_acceleration: (sums.last_rate - sums.first_rate) / time,
-            force: c_bn.transpose() * force_n,
+            force,
+            force_rate: force.cross(&rate),
             temperature: sums.temperature / time,
             temperature_rate: sums.temperature_rate / time,
             gyro_temperature: sums.gyro_temperature / time,

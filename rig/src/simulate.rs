@@ -38,7 +38,7 @@ pub struct Simulation {
     panels: u32,
     place: Place,
     sensors: Sensors,
-    /// Whether some effect is not one of the catalogue: it may depend on what those do not.
+    /// Whether some effect is not one of the catalogue: it may depend on the change of the specific force.
     own: bool,
     /// Delay of the accelerometers, s.
     delay: f64,
@@ -184,17 +184,26 @@ impl Simulation {
         }
     }
 
+    /// Derivative of the specific force in b at time `t`, m/s^3, by differences of fourth order.
+    fn force_rate(&self, t: f64) -> Vector3<f64> {
+        let slope = |h: f64| (self.felt(t + h).force - self.felt(t - h).force) / (2.0 * h);
+        let h = 0.1 * self.dt;
+        (slope(0.5 * h) * 4.0 - slope(h)) / 3.0
+    }
+
     /// Integrals of what gyros and accelerometers read over interval `k`, without noise.
     fn increments(&self, k: u64, dither: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let start = k as f64 / self.rate;
         let (mut dtheta, mut dvel) = (Vector3::zeros(), Vector3::zeros());
         let temperature_rate = Vector3::repeat(self.temperatures.rate());
-        let signals = |felt: Felt, t: f64| {
+        let signals = |t: f64| {
+            let felt = self.felt(t);
             let (temperature, gyro_temperature) = self.temperatures.at((t - start) / self.dt);
             Signals {
                 rate: felt.rate,
                 angular_acceleration: felt.angular_acceleration,
                 force: felt.force,
+                force_rate: if self.own { self.force_rate(t) } else { Vector3::zeros() },
                 temperature,
                 temperature_rate,
                 gyro_temperature,
@@ -209,13 +218,13 @@ impl Simulation {
         for panel in 0..self.panels {
             for (node, weight) in NODES {
                 let t = start + (f64::from(panel) + node) * part;
-                let now = signals(self.felt(t), t);
+                let now = signals(t);
                 dtheta += self.sensors.gyros(&now) * weight;
                 let felt = if self.delay == 0.0 {
                     now
                 } else {
                     let earlier = t - self.delay;
-                    signals(self.felt(earlier), earlier)
+                    signals(earlier)
                 };
                 dvel += self.sensors.accelerometers(&felt) * weight;
             }
