@@ -27,6 +27,7 @@ mod arguments;
 mod calibrate;
 mod campaign;
 mod completions;
+mod compose;
 mod demo;
 mod diagnose;
 mod effects;
@@ -52,7 +53,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 use runs::Vocabulary;
-use sinscal::{Filter, Strapdown};
+use sinscal::{Effect, Filter, Strapdown};
 
 use crate::say::Loudness;
 
@@ -117,6 +118,12 @@ impl Program {
     /// And with filter `F`. It replaces one of the same name.
     pub fn filter<F: Filter<Dynamics = Strapdown>>(mut self) -> Self {
         self.vocabulary = self.vocabulary.with_filter::<F>();
+        self
+    }
+
+    /// And with effect `E`. It replaces one of the same name.
+    pub fn effect<E: Effect>(mut self) -> Self {
+        self.vocabulary = self.vocabulary.with_effect::<E>();
         self
     }
 

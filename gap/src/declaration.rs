@@ -1,5 +1,8 @@
 //! Writes the filter that has the missing effects.
 
+use runs::AnyFilter;
+use sinscal::InnerLeverArm;
+
 /// What must be known of the filter that is extended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BaseFilter {
@@ -11,6 +14,22 @@ pub struct BaseFilter {
     pub measures: Vec<String>,
     /// Whether it has inner lever arms, through which the dither couples without further states.
     pub has_inner_lever_arm: bool,
+}
+
+impl BaseFilter {
+    /// What must be known of `filter`.
+    pub fn of(filter: &dyn AnyFilter) -> Self {
+        let path = filter.path();
+        // the types of the library are re-exported at its root
+        let own = path.rsplit("::").next().unwrap_or(path);
+        let path = if path.starts_with("sinscal::") { format!("sinscal::{own}") } else { path.into() };
+        Self {
+            name: filter.name().into(),
+            path,
+            measures: filter.measures().into_iter().map(Into::into).collect(),
+            has_inner_lever_arm: filter.blocks().iter().any(|leaf| leaf.is::<InnerLeverArm>()),
+        }
+    }
 }
 
 /// `accel-delay` as a type: `AccelDelay`.
