@@ -180,7 +180,7 @@ pub use effects::{
 };
 pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
-    visit_filter,
+    literature, visit_filter,
 };
 #[cfg(feature = "std")]
 pub use innovations::{ChannelInnovations, Innovations};
