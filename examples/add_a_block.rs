@@ -14,17 +14,21 @@ pub struct MountSoftness;
 const CORRELATION_TIME: f64 = 600.0;
 /// Standard deviation of k, s.
 const SIGMA: f64 = 1e-4;
+/// How k wanders: the density keeps its standard deviation.
+const WANDER: Relaxation<f64> =
+    Relaxation { rate: 1.0 / CORRELATION_TIME, density: 2.0 * SIGMA * SIGMA / CORRELATION_TIME };
 
 impl Block for MountSoftness {
     type Dynamics = Strapdown;
     type View<'a, T: Real> = BlockView<'a, Self, T>;
+    const NAME: &'static str = "mount-softness";
     const DIM: usize = 3;
-    const RELAXES: bool = true;
+    const RELAXATIONS: &'static [(usize, Relaxation<f64>)] = &[(0, WANDER), (1, WANDER), (2, WANDER)];
 
     fn states(visit: &mut dyn FnMut(StateInfo)) {
         for component in ["x", "y", "z"] {
             visit(StateInfo {
-                block: "mount-softness",
+                block: Self::NAME,
                 component,
                 unit: "s",
                 prior_sigma: SIGMA,
@@ -38,13 +42,6 @@ impl Block for MountSoftness {
         let speed = s.rate.norm();
         for i in 0..3 {
             put(FORCE + i, i, speed * s.force[i]);
-        }
-    }
-
-    fn relaxation<T: Real>(put: &mut impl FnMut(usize, Relaxation<T>)) {
-        let rate = 1.0 / CORRELATION_TIME;
-        for state in 0..3 {
-            put(state, Relaxation { rate: T::of(rate), density: T::of(2.0 * SIGMA * SIGMA * rate) });
         }
     }
 }

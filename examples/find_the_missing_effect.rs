@@ -6,7 +6,6 @@
 //! ```
 
 use gap::{Candidates, Diagnosis, Log, Options, diagnose_with};
-use hybrid_array::typenum::U64;
 use nalgebra::Vector3;
 use rig::{DitherMode, Scenario, Simulation};
 use sinscal::prelude::*;
@@ -19,12 +18,13 @@ struct SpinSensitivity;
 impl Block for SpinSensitivity {
     type Dynamics = Strapdown;
     type View<'a, T: Real> = BlockView<'a, Self, T>;
+    const NAME: &'static str = "spin-sensitivity";
     const DIM: usize = 3;
 
     fn states(visit: &mut dyn FnMut(StateInfo)) {
         for component in ["x", "y", "z"] {
             visit(StateInfo {
-                block: "spin-sensitivity",
+                block: Self::NAME,
                 component,
                 unit: "m/s",
                 prior_sigma: 1e-2,
@@ -69,7 +69,7 @@ fn run(number: u64) -> Result<(Vec<Sample>, rig::Description), rig::ScenarioErro
 pub(crate) fn find(options: &Options) -> Result<Diagnosis, Box<dyn std::error::Error>> {
     let (first, second) = (run(0)?, run(1)?);
     let (here, there) = (first.1.setup(&[]), second.1.setup(&[]));
-    Ok(diagnose_with::<Sins36P, Mine, U64>(
+    Ok(diagnose_with::<Sins36P, Mine>(
         &Log { samples: &first.0, setup: &here },
         Some(&Log { samples: &second.0, setup: &there }),
         options,

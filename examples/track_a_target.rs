@@ -35,11 +35,12 @@ macro_rules! planar {
         impl Block for $block {
             type Dynamics = ConstantVelocity;
             type View<'a, T: Real> = BlockView<'a, Self, T>;
+            const NAME: &'static str = $name;
             const DIM: usize = 2;
             fn states(visit: &mut dyn FnMut(StateInfo)) {
                 for component in ["e", "n"] {
                     visit(StateInfo {
-                        block: $name, component, unit: $unit, prior_sigma: $sigma, sheet_unit: $unit, sheet_scale: 1.0,
+                        block: Self::NAME, component, unit: $unit, prior_sigma: $sigma, sheet_unit: $unit, sheet_scale: 1.0,
                     });
                 }
             }
@@ -52,12 +53,10 @@ planar!(TargetPosition, "target-position", "m", 1000.0, {});
 planar!(TargetVelocity, "target-velocity", "m/s", 30.0, {});
 planar!(RadarZero, "radar-zero", "m", 20.0, {
     // forgets within 200 s; the density keeps its standard deviation at 20 m
-    const RELAXES: bool = true;
-    fn relaxation<T: Real>(put: &mut impl FnMut(usize, Relaxation<T>)) {
-        for state in 0..2 {
-            put(state, Relaxation { rate: T::of(1.0 / 200.0), density: T::of(2.0 * 400.0 / 200.0) });
-        }
-    }
+    const RELAXATIONS: &'static [(usize, Relaxation<f64>)] = &[
+        (0, Relaxation { rate: 1.0 / 200.0, density: 2.0 * 400.0 / 200.0 }),
+        (1, Relaxation { rate: 1.0 / 200.0, density: 2.0 * 400.0 / 200.0 }),
+    ];
     // a parameter state is truth - estimate: a zero not yet removed makes the plot read more, the residual less
     fn measurement_jacobian<T: Real>((): &(), put: &mut impl FnMut(usize, usize, T)) {
         put(0, 0, -T::one());

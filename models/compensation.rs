@@ -1,6 +1,6 @@
 //! Takes the modelled sensor errors out of raw increments, in real time.
 
-use calib_core::{Array, Filter, Real, Vector, restrict};
+use calib_core::{Array, Dynamics, Filter, Real, Vector};
 use nalgebra::Vector3;
 
 use crate::strapdown::Increments;
@@ -131,12 +131,12 @@ impl Compensator {
             temperature_rate: self.temperature.rate,
             gyro_temperature: gyro_temperature.add_scalar(-self.reference_temperature),
             dither,
-            coupled_dither: dither,
+            coupled_dither: if self.open.couples_dither() { dither } else { Vector3::zeros() },
             time: sample.time - self.start,
             open: self.open,
         };
         self.last_rate = rate;
-        restrict::<F, f64>(&mut signals);
+        Strapdown::restrict::<F, f64>(&mut signals);
         let mut error = self.last_error;
         let (still_rate, still_force) = (STILL * rate.amax(), STILL * force.amax());
         for _ in 0..ROUNDS {

@@ -64,6 +64,7 @@
 //!     reference_temperature: 25.0,
 //!     outer_lever: Vector3::zeros(),
 //!     priors: &[("accel-bias", 5e-3)],
+//!     open: sinscal::OpenBlocks::NONE,
 //! };
 //! let mut run = Calibration::<Sins36P>::new(&setup);
 //! for k in 1..=500 {
@@ -168,8 +169,9 @@ pub use calib_core;
 #[cfg(feature = "check")]
 pub use calib_core::check;
 pub use calib_core::{
-    Block, BlockSet, BlockView, ChannelGroup, Conventional, Dim, Dynamics, Estimate, Filter, Form,
-    Innovation, Kalman, Need, Real, Relaxation, Residuals, Shape, StateInfo, Transition, Ud, View,
+    Block, BlockView, BlockVisitor, ChannelGroup, Conventional, Counted, Dim, Dynamics, Estimate, Extended,
+    Filter, Form, Innovation, Kalman, Leaf, Need, Real, Relaxation, Residuals, Shape, StateInfo, Transition,
+    Ud, View, declares, first_state, leaves, relaxations, relaxes,
 };
 pub use calibration::{Calibration, Known};
 #[cfg(feature = "std")]
@@ -182,6 +184,7 @@ pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
     literature, visit_filter,
 };
+pub use gate::Gate;
 #[cfg(feature = "std")]
 pub use innovations::{ChannelInnovations, Innovations};
 pub use observer::{Event, Observer, Refusal};
@@ -198,8 +201,8 @@ pub mod prelude {
     pub use crate::blocks::groups::*;
     pub use crate::blocks::*;
     pub use crate::{
-        Block, BlockSet, BlockView, Calibration, ChannelGroup, Conventional, Dynamics, Filter, Kalman, Need,
-        Real, Relaxation, Residuals, StateBlocks, StateInfo, Strapdown, Transition, Ud,
+        Block, BlockView, Calibration, ChannelGroup, Conventional, Dynamics, Filter, Kalman, Need, Real,
+        Relaxation, Residuals, StateBlocks, StateInfo, Strapdown, Transition, Ud,
     };
 }
 

@@ -1,10 +1,9 @@
 //! The strapdown error model as a family of dynamics.
 
-use calib_core::{BlockSet, ChannelGroup, Dynamics, Need, Real};
+use calib_core::{Block, ChannelGroup, Dynamics, Need, Real, declares};
 use nalgebra::Vector3;
 
-use crate::blocks::set;
-use crate::{Point, Signals, tables};
+use crate::{Attitude, Dither, Point, Position, Signals, Velocity, tables};
 
 /// Navigation errors of a strapdown system: attitude, velocity and position, nine states.
 ///
@@ -35,15 +34,15 @@ impl Dynamics for Strapdown {
     ];
     const NEEDS: &'static [Need] = &[
         Need {
-            any_of: set::ATTITUDE,
+            any_of: &[Attitude::NAME],
             message: "a strapdown filter begins with attitude errors: declare `attitude: Attitude` first",
         },
         Need {
-            any_of: set::VELOCITY,
+            any_of: &[Velocity::NAME],
             message: "a strapdown filter carries velocity errors: declare `velocity: Velocity` after `attitude`",
         },
         Need {
-            any_of: set::POSITION,
+            any_of: &[Position::NAME],
             message: "a strapdown filter carries position errors: declare `position: Position` after `velocity`",
         },
     ];
@@ -53,8 +52,8 @@ impl Dynamics for Strapdown {
 
     /// Without `Dither` in the declaration the inner lever arm knows nothing of the dither.
     #[inline(always)]
-    fn restrict<T: Real>(signals: &mut Signals<T>, blocks: BlockSet) {
-        if !blocks.contains(set::DITHER) {
+    fn restrict<F: Block<Dynamics = Self>, T: Real>(signals: &mut Signals<T>) {
+        if const { !declares::<F, Dither>() } {
             signals.coupled_dither = Vector3::zeros();
         }
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use rig::{Scenario, Simulation};
-use sinscal::{Calibration, Conventional, Diverged, Filter, Form, Sample, Sins43B, Ud};
+use sinscal::{Block, Calibration, Conventional, Diverged, Form, Sample, Sins43B, Ud};
 
 /// When a sound log is spoiled, s.
 const SPOILED: f64 = 31.5;

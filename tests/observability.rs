@@ -4,7 +4,6 @@ mod common;
 
 use calib_core::Extended;
 use common::{sample, setup};
-use hybrid_array::typenum::U3;
 use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 use sinscal::observability::{
     EXCITED, Information, Observability, Segment, Segmenter, TOLERANCE, basis, prior,
@@ -182,7 +181,7 @@ fn rotations_about_the_vertical_leave_the_rest_unknown() {
 
 #[test]
 fn dither_of_constant_amplitude_is_a_bias() {
-    type Asked = Extended<Sins43P, DitherSizeEffect, U3>;
+    type Asked = Extended<Sins43P, DitherSizeEffect>;
     let setup = start(b"NED");
     let still = segments(&setup, &path(&setup, &EIGHTEEN_ROTATIONS, constant));
     let lost_names = lost::<Asked>(&setup, &still);

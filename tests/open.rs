@@ -21,7 +21,7 @@ struct Found {
 }
 
 fn find<F: Filter<Dynamics = Strapdown>>(setup: &Setup, samples: &[Sample], open: OpenBlocks) -> Found {
-    let mut run = Box::new(Calibration::<F, Conventional>::with_open(setup, open, |_, _, sigma| sigma));
+    let mut run = Box::new(Calibration::<F, Conventional>::new(&Setup { open, ..*setup }));
     for pass in 0..2 {
         if pass > 0 {
             run.begin_pass();
@@ -126,6 +126,7 @@ struct Short;
 impl Block for Short {
     type Dynamics = Strapdown;
     type View<'a, T: Real> = BlockView<'a, Self, T>;
+    const NAME: &'static str = "short";
     const DIM: usize = 2;
 
     fn states(visit: &mut dyn FnMut(StateInfo)) {

@@ -297,7 +297,7 @@ impl Property for UnseenStays {
         let sigmas = case.priors();
         let mut kalman = Kalman::<F, f64, Conventional>::new(&sigmas);
         let mut relaxing = Vec::new();
-        F::relaxation(&mut |state, _: calib_core::Relaxation<f64>| relaxing.push(state));
+        calib_core::relaxations::<F, f64>(|state, _| relaxing.push(state));
         for _ in 0..draw.cycles {
             case.predict(&mut [&mut kalman]);
             // no channel is measured

@@ -5,22 +5,27 @@
 
 use core::marker::PhantomData;
 
-use crate::{Block, BlockSet, ChannelGroup, Dynamics, Filter, Need, Real, Relaxation, StateInfo};
+use crate::{Block, BlockVisitor, ChannelGroup, Dynamics, Filter, Need, Real, StateInfo};
 
 mod rules;
 mod text;
 
 pub use rules::{filter, filter_field, group_field, measurement};
 pub use text::Text;
+use text::equal;
 
-/// A field of a declaration, as the rules see it.
+/// A block as the rules see it, within a declaration: what it is, and the parts that it is made of.
 #[derive(Clone, Copy)]
 pub struct Part {
+    /// Name of the field, empty outside of a declaration.
     name: &'static str,
+    /// Name of the block.
+    block: &'static str,
     dim: usize,
-    set: BlockSet,
     needs: &'static [Need],
-    relaxes: bool,
+    relaxing: usize,
+    /// None for a block that is written by hand.
+    parts: &'static [Part],
     known: bool,
     repeated: bool,
     role: Role,
@@ -35,14 +40,28 @@ enum Role {
 impl Part {
     const UNKNOWN: Self = Self {
         name: "",
+        block: "",
         dim: 0,
-        set: BlockSet::EMPTY,
         needs: &[],
-        relaxes: false,
+        relaxing: 0,
+        parts: &[],
         known: false,
         repeated: false,
         role: Role::Block,
     };
+
+    /// What the rules must know of `B`.
+    pub const fn of<B: Block>() -> Self {
+        Self {
+            block: B::NAME,
+            dim: B::DIM,
+            needs: B::NEEDS,
+            relaxing: B::RELAXATIONS.len(),
+            parts: B::PARTS,
+            known: true,
+            ..Self::UNKNOWN
+        }
+    }
 
     /// The part as the field `name`.
     pub const fn named(mut self, name: &'static str) -> Self {
@@ -62,6 +81,23 @@ impl Part {
         self
     }
 
+    /// Whether the block called `name` is in it.
+    pub(crate) const fn has(&self, name: &str) -> bool {
+        if self.parts.is_empty() { self.known && equal(self.block, name) } else { has(self.parts, name) }
+    }
+
+    /// Whether some state of it forgets.
+    pub(crate) const fn relaxes(&self) -> bool {
+        let mut i = 0;
+        while i < self.parts.len() {
+            if self.parts[i].relaxes() {
+                return true;
+            }
+            i += 1;
+        }
+        self.relaxing > 0
+    }
+
     const fn is_base(&self) -> bool {
         matches!(self.role, Role::Base { .. })
     }
@@ -76,16 +112,7 @@ pub struct Field<B, D>(PhantomData<(B, D)>);
 
 impl<B: Block<Dynamics = D>, D: Dynamics> Field<B, D> {
     /// What the rules must know of `B`.
-    pub const PART: Part = Part {
-        name: "",
-        dim: B::DIM,
-        set: B::SET,
-        needs: B::NEEDS,
-        relaxes: B::RELAXES,
-        known: true,
-        repeated: false,
-        role: Role::Block,
-    };
+    pub const PART: Part = Part::of::<B>();
 
     /// [`Block::states`].
     pub fn states(visit: &mut dyn FnMut(StateInfo)) {
@@ -112,10 +139,10 @@ impl<B: Block<Dynamics = D>, D: Dynamics> Field<B, D> {
         B::measurement_jacobian(at, &mut |channel, state, value| put(channel, offset + state, value));
     }
 
-    /// [`Block::relaxation`], with states counted from `offset`.
+    /// [`Block::blocks`].
     #[inline(always)]
-    pub fn relaxation<T: Real>(offset: usize, put: &mut impl FnMut(usize, Relaxation<T>)) {
-        B::relaxation(&mut |state, relaxation| put(offset + state, relaxation));
+    pub fn blocks(first: usize, visitor: &mut impl BlockVisitor<D>) {
+        B::blocks(first, visitor);
     }
 }
 
@@ -139,9 +166,9 @@ pub trait Misfit {
         let _ = (offset, at, put);
     }
 
-    /// Constant.
-    fn relaxation<T: Real>(offset: usize, put: &mut impl FnMut(usize, Relaxation<T>)) {
-        let _ = (offset, put);
+    /// None.
+    fn blocks(first: usize, visitor: &mut impl Sized) {
+        let _ = (first, visitor);
     }
 }
 
@@ -212,27 +239,43 @@ pub const fn dim(parts: &[Part]) -> usize {
     sum
 }
 
-/// Blocks of all parts.
-pub const fn set(parts: &[Part]) -> BlockSet {
-    let mut set = BlockSet::EMPTY;
-    let mut i = 0;
-    while i < parts.len() {
-        set = set.union(parts[i].set);
-        i += 1;
-    }
-    set
-}
+/// The number of states of a group as a type.
+pub type Size<const N: usize> = <[(); N] as hybrid_array::AssocArraySize>::Size;
 
-/// Whether some part forgets.
-pub const fn relaxes(parts: &[Part]) -> bool {
+/// Whether the block called `name` is in some part.
+const fn has(parts: &[Part], name: &str) -> bool {
     let mut i = 0;
     while i < parts.len() {
-        if parts[i].relaxes {
+        if parts[i].has(name) {
             return true;
         }
         i += 1;
     }
     false
+}
+
+/// Whether some part has what a rule asks for.
+const fn meets(parts: &[Part], need: &Need) -> bool {
+    let mut k = 0;
+    while k < need.any_of.len() {
+        if has(parts, need.any_of[k]) {
+            return true;
+        }
+        k += 1;
+    }
+    false
+}
+
+/// What the first of `needs` says that the parts do not meet; nothing when they meet all.
+pub(crate) const fn unmet(needs: &'static [Need], parts: &[Part]) -> &'static str {
+    let mut k = 0;
+    while k < needs.len() {
+        if !meets(parts, &needs[k]) {
+            return needs[k].message;
+        }
+        k += 1;
+    }
+    ""
 }
 
 /// How many rules the parts have together.
@@ -248,7 +291,7 @@ pub const fn count_needs(parts: &[Part]) -> usize {
 
 /// The rules of all parts: a group hands them on to the filter that declares it.
 pub const fn needs<const K: usize>(parts: &[Part]) -> [Need; K] {
-    let mut all = [Need { any_of: BlockSet::EMPTY, message: "" }; K];
+    let mut all = [Need { any_of: &[], message: "" }; K];
     let (mut i, mut k) = (0, 0);
     while i < parts.len() {
         let mut j = 0;
@@ -266,7 +309,7 @@ pub const fn needs<const K: usize>(parts: &[Part]) -> [Need; K] {
 pub const fn channel(groups: &[ChannelGroup], name: &str) -> usize {
     let mut k = 0;
     while k < groups.len() {
-        if text::equal(groups[k].name, name) {
+        if equal(groups[k].name, name) {
             return k;
         }
         k += 1;

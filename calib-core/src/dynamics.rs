@@ -1,6 +1,6 @@
 //! Families of dynamics: how the leading states of a filter move and what is measured of them.
 
-use crate::{BlockSet, Need, Real};
+use crate::{Block, Need, Real};
 
 /// A vector measurement a declaration can ask for, for instance velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,10 +42,11 @@ pub trait Dynamics: Sized + 'static {
     /// Where the error model is linearised.
     type Point<T: Real>;
 
-    /// Removes from `signals` what a declaration made of `blocks` does not model. Does nothing by default.
+    /// Removes from `signals` what declaration `F` does not model, as [`declares`](crate::declares) tells. Does nothing by
+    /// default.
     #[inline(always)]
-    fn restrict<T: Real>(signals: &mut Self::Signals<T>, blocks: BlockSet) {
-        let _ = (signals, blocks);
+    fn restrict<F: Block<Dynamics = Self>, T: Real>(signals: &mut Self::Signals<T>) {
+        let _ = signals;
     }
 
     /// The matrix A: `put(row, column, value)`, both below [`CORE`](Self::CORE).

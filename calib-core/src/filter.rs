@@ -133,8 +133,6 @@ impl<const N: usize, const C: usize, const M: usize> Shape for Dim<N, C, M> {
     note = "a filter is a struct with `#[derive(StateBlocks)]` and `#[filter(measures(...))]`"
 )]
 pub trait Filter: Block {
-    /// Name of the filter in reports and on the command line.
-    const NAME: &'static str;
     /// The sizes of the filter.
     type Shape: Shape;
     /// The measurements, as indices into [`Dynamics::CHANNELS`], in the order of the rows.

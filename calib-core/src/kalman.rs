@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use crate::{
     Array, Conventional, CoreVector, Dynamics, Fade, Filter, Form, Matrix, Measurement, MeasurementMatrix,
-    MeasurementRows, Real, Shape, Transition, Vector,
+    MeasurementRows, Real, Shape, Transition, Vector, relaxations, relaxes,
 };
 
 /// Residuals of a declared filter's measurements, assembled channel by channel.
@@ -174,8 +174,8 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
             self.x[i] = moved[i];
         }
         C::propagate::<F::Shape, T>(&mut self.cov, rows, &transition.noise(density));
-        if F::RELAXES {
-            F::relaxation(&mut |state, relaxation| {
+        if const { relaxes::<F>() } {
+            relaxations::<F, T>(|state, relaxation| {
                 let fade = Fade::over(relaxation, state, transition.elapsed());
                 self.x[state] *= fade.keep;
                 C::fade::<F::Shape, T>(&mut self.cov, &fade);

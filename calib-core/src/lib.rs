@@ -22,11 +22,12 @@ mod tile;
 mod transition;
 mod ud;
 mod view;
+mod vocabulary;
 
-pub use block::{Block, BlockSet, Need, Relaxation, StateInfo};
+pub use block::{Block, Need, Relaxation, StateInfo};
 pub use conventional::Conventional;
 pub use dynamics::{ChannelGroup, Dynamics};
-pub use extended::{Extended, ExtendedView, Grown};
+pub use extended::{Counted, Extended, ExtendedView, Grown, Sizes};
 pub use filter::{
     Array, CoreRows, CoreVector, Dim, Filter, Matrix, Measurement, MeasurementMatrix, MeasurementRows, Shape,
     Vector,
@@ -35,6 +36,7 @@ pub use form::{Fade, Form, Whitened};
 pub use kalman::{Innovation, Kalman, NotPositiveDefinite, Residuals, measurement_rows};
 pub use observability::{Decomposition, ObservabilityRows, Triangle, system_rows};
 pub use real::Real;
-pub use transition::{Transition, restrict};
+pub use transition::Transition;
 pub use ud::Ud;
 pub use view::{BlockView, Entries, Estimate, View};
+pub use vocabulary::{BlockVisitor, Leaf, declares, first_state, leaves, relaxations, relaxes};

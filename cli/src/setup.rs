@@ -18,6 +18,7 @@ pub(crate) fn of(log: &Log, initial: InitialAttitude) -> Setup<'_> {
         reference_temperature: description.reference_temperature,
         outer_lever: description.outer_lever,
         priors: &description.priors,
+        open: sinscal::OpenBlocks::NONE,
     }
 }
 

@@ -44,9 +44,6 @@ pub struct Candidates {
     reference_tilt: ReferenceTilt,
 }
 
-/// Number of states of [`Candidates`], as a type.
-pub type CandidateStates = hybrid_array::typenum::U61;
-
 /// Factor on the default prior of a candidate that the description of the log does not name: how much larger than its
 /// default the stated prior of its kin is ([`EffectInfo::kin`]).
 pub(crate) fn prior_factor(setup: &Setup, block: &str) -> f64 {

@@ -17,7 +17,7 @@ use crate::rerun::rerun;
 use crate::run::{Declared, Machine};
 use crate::scene::{EXCITED, Scene};
 use crate::white::whiteness;
-use crate::{CandidateStates, Candidates, say, threshold};
+use crate::{Candidates, say, threshold};
 
 /// How to diagnose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,16 +53,16 @@ pub fn diagnose<F>(
 ) -> Result<Diagnosis, Error>
 where
     F: Filter<Dynamics = Strapdown>,
-    Extended<F, Candidates, CandidateStates>: Filter<Dynamics = Strapdown>,
+    Extended<F, Candidates>: Filter<Dynamics = Strapdown>,
 {
-    diagnose_with::<F, Candidates, CandidateStates>(log, verify, options, progress)
+    diagnose_with::<F, Candidates>(log, verify, options, progress)
 }
 
-/// [`diagnose`] with candidates of one's own: a group `B` of blocks with `K` states.
+/// [`diagnose`] with candidates of one's own: a group `B` of blocks.
 ///
 /// # Errors
 /// When a filter diverges or a log is too short.
-pub fn diagnose_with<F, B, K>(
+pub fn diagnose_with<F, B>(
     log: &Log,
     verify: Option<&Log>,
     options: &Options,
@@ -71,10 +71,9 @@ pub fn diagnose_with<F, B, K>(
 where
     F: Filter<Dynamics = Strapdown>,
     B: Block<Dynamics = Strapdown>,
-    K: 'static,
-    Extended<F, B, K>: Filter<Dynamics = Strapdown>,
+    Extended<F, B>: Filter<Dynamics = Strapdown>,
 {
-    workflow(&Declared::<F, B, K>::new(), log, verify, options, progress)
+    workflow(&Declared::<F, B>::new(), log, verify, options, progress)
 }
 
 macro_rules! named {
@@ -90,7 +89,7 @@ macro_rules! named {
             options: &Options,
             progress: &mut dyn FnMut(&'static str, f64),
         ) -> Option<Result<Diagnosis, Error>> {
-            $(if filter == <sinscal::$filter as Filter>::NAME {
+            $(if filter == <sinscal::$filter as Block>::NAME {
                 return Some(diagnose::<sinscal::$filter>(log, verify, options, progress));
             })+
             None
@@ -374,7 +373,7 @@ mod tests {
     use crate::run::{Ran, Size};
 
     /// 36d-p, which diverges without help.
-    struct Fragile(Declared<Sins36P, Candidates, CandidateStates>);
+    struct Fragile(Declared<Sins36P, Candidates>);
 
     impl Machine for Fragile {
         fn base(&self) -> BaseFilter {
@@ -404,9 +403,8 @@ mod tests {
     #[test]
     fn what_was_found_stands_though_the_filter_without_it_diverges() {
         let mut scenario = rig::Scenario::default().with_rate(20.0).unwrap();
-        scenario.keep_effects(|name| {
-            Declared::<Sins36P, Candidates, CandidateStates>::new().has(name) || name == "accel-delay"
-        });
+        scenario
+            .keep_effects(|name| Declared::<Sins36P, Candidates>::new().has(name) || name == "accel-delay");
         scenario.motion.still = 100.0;
         scenario.motion.dwell = 30.0;
         scenario.dither.mode = rig::DitherMode::Off;

@@ -54,7 +54,7 @@ mod threshold;
 mod verify;
 mod white;
 
-pub use candidates::{CandidateStates, Candidates};
+pub use candidates::Candidates;
 pub use chi2::ln_survival;
 pub use declaration::{BaseFilter, declaration};
 pub use diagnose::{Options, diagnose, diagnose_named, diagnose_with};

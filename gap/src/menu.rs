@@ -1,6 +1,6 @@
 //! Which run would tell two effects apart: chosen by their information from a menu of paths, each simulated.
 
-use calib_core::{Extended, Filter};
+use calib_core::{Block, Extended, Filter};
 use rig::motion::Turn;
 use rig::scenario::Path;
 use rig::{DitherMode, Scenario, ScenarioError, Simulation, TemperatureProfile};
@@ -14,7 +14,7 @@ use crate::parallel::both;
 use crate::prices::Prices;
 use crate::run::{Declared, Machine};
 use crate::scene::EXCITED;
-use crate::{CandidateStates, Candidates, Error};
+use crate::{Candidates, Error};
 
 /// A run of the menu, and how well it would show an effect beside another.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,9 +86,9 @@ impl Menu {
     pub fn new<F>() -> Result<Self, ProposalError>
     where
         F: Filter<Dynamics = Strapdown>,
-        Extended<F, Candidates, CandidateStates>: Filter<Dynamics = Strapdown>,
+        Extended<F, Candidates>: Filter<Dynamics = Strapdown>,
     {
-        let machine = Declared::<F, Candidates, CandidateStates>::new();
+        let machine = Declared::<F, Candidates>::new();
         let simulated = |(run, change): &(&'static str, Change)| -> Result<_, ProposalError> {
             let mut scenario = Scenario::default().with_rate(20.0)?.modelled_by::<F>();
             scenario.motion.still = 100.0;
@@ -164,7 +164,7 @@ macro_rules! named {
         /// # Errors
         /// When a run cannot be simulated or the filter diverges.
         pub fn menu_named(filter: &str) -> Option<Result<Menu, ProposalError>> {
-            $(if filter == <sinscal::$filter as Filter>::NAME {
+            $(if filter == <sinscal::$filter as Block>::NAME {
                 return Some(Menu::new::<sinscal::$filter>());
             })+
             None

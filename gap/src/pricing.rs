@@ -3,6 +3,7 @@
 use calib_core::{Extended, Filter};
 use sinscal::Strapdown;
 
+use crate::Candidates;
 use crate::error::{Error, FIRST};
 use crate::linear::{Noise, Recorded, run};
 use crate::log::Log;
@@ -10,7 +11,6 @@ use crate::noise;
 use crate::prices::Prices;
 use crate::recording::Recording;
 use crate::run::{Declared, Machine};
-use crate::{CandidateStates, Candidates};
 
 /// The price of every candidate of a log, and of every set of them.
 ///
@@ -36,9 +36,9 @@ impl Pricing {
     pub fn of<F>(log: &Log, noise: Noise) -> Result<Self, Error>
     where
         F: Filter<Dynamics = Strapdown>,
-        Extended<F, Candidates, CandidateStates>: Filter<Dynamics = Strapdown>,
+        Extended<F, Candidates>: Filter<Dynamics = Strapdown>,
     {
-        let machine = Declared::<F, Candidates, CandidateStates>::new();
+        let machine = Declared::<F, Candidates>::new();
         let ran = machine.run(log, &noise, &|_| 1.0).map_err(|e| Error::of(FIRST, e))?;
         Ok(Self { recording: ran.recording, noise, base: ran.log_likelihood, prices: ran.prices })
     }

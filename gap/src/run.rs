@@ -1,9 +1,9 @@
 //! The nonlinear runs: the declared filter with chosen candidates, closed loop, relinearised, recorded.
 
-use calib_core::{Array, Block, Dynamics, Extended, Filter, Shape};
+use calib_core::{Array, Block, Dynamics, Extended, Filter, Shape, declares, relaxations};
 use nalgebra::DVector;
 use sinscal::navigation::{Pilot, pilot_of};
-use sinscal::{Calibration, Known, Setup, StateInfo, Strapdown};
+use sinscal::{Calibration, Dither, InnerLeverArm, Known, Setup, StateInfo, Strapdown};
 
 use crate::candidates::prior_factor;
 use crate::declaration::BaseFilter;
@@ -56,12 +56,12 @@ pub(crate) trait Machine: Sync {
 }
 
 /// The types of a filter, without one.
-type Types<F, B, K> = core::marker::PhantomData<fn() -> (F, B, K)>;
+type Types<F, B> = core::marker::PhantomData<fn() -> (F, B)>;
 
-/// Filter `F` with the candidates of `B`, of which there are `K` states.
-pub(crate) struct Declared<F, B, K>(Types<F, B, K>);
+/// Filter `F` with the candidates of `B`.
+pub(crate) struct Declared<F, B>(Types<F, B>);
 
-impl<F, B, K> Declared<F, B, K> {
+impl<F, B> Declared<F, B> {
     pub(crate) fn new() -> Self {
         Self(core::marker::PhantomData)
     }
@@ -91,12 +91,11 @@ fn blocks<B: Block>() -> Vec<&'static str> {
     names
 }
 
-impl<F, B, K> Machine for Declared<F, B, K>
+impl<F, B> Machine for Declared<F, B>
 where
     F: Filter<Dynamics = Strapdown>,
     B: Block<Dynamics = Strapdown>,
-    K: 'static,
-    Extended<F, B, K>: Filter<Dynamics = Strapdown>,
+    Extended<F, B>: Filter<Dynamics = Strapdown>,
 {
     fn base(&self) -> BaseFilter {
         let path = core::any::type_name::<F>();
@@ -108,18 +107,17 @@ where
             name: F::NAME.into(),
             path,
             measures: F::MEASURES.iter().map(|g| channels[*g].name.into()).collect(),
-            has_inner_lever_arm: F::SET.contains(sinscal::blocks::set::INNER_LEVER_ARM),
+            has_inner_lever_arm: declares::<F, InnerLeverArm>(),
         }
     }
 
     fn has(&self, block: &str) -> bool {
         // a filter with the dither coupling knows the dither's size effect, without states for it
-        blocks::<F>().contains(&block)
-            || block == "dither-size-effect" && F::SET.contains(sinscal::blocks::set::DITHER)
+        blocks::<F>().contains(&block) || block == "dither-size-effect" && declares::<F, Dither>()
     }
 
     fn run(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError> {
-        match drive::<F, Extended<F, B, K>>(log, noise, F::Shape::STATES, &self.prior(log, size)) {
+        match drive::<F, Extended<F, B>>(log, noise, F::Shape::STATES, &self.prior(log, size)) {
             // it may well be what it lacks that it does not survive
             Err(SceneError::Diverged(_)) => self.rerun(log, noise, size),
             done => done,
@@ -131,13 +129,13 @@ where
         if !blocks::<B>().into_iter().any(|block| size(block) > 0.0) {
             return drive::<F, F>(log, noise, own, &|_, sigma| sigma);
         }
-        drive::<Extended<F, B, K>, Extended<F, B, K>>(log, noise, own, &self.prior(log, size))
+        drive::<Extended<F, B>, Extended<F, B>>(log, noise, own, &self.prior(log, size))
     }
 
     fn pilot(&self, setup: &Setup, parameters: &[f64]) -> Box<dyn Pilot> {
-        let mut states = <Extended<F, B, K> as Filter>::Shape::vector(0.0);
+        let mut states = <Extended<F, B> as Filter>::Shape::vector(0.0);
         states.as_mut_slice()[CORE..].iter_mut().zip(parameters).for_each(|(state, value)| *state = *value);
-        pilot_of::<Extended<F, B, K>>(setup, &states)
+        pilot_of::<Extended<F, B>>(setup, &states)
     }
 }
 
@@ -164,9 +162,7 @@ fn drive<A: Filter<Dynamics = Strapdown>, G: Filter<Dynamics = Strapdown>>(
     let covariance = pass.covariance();
     let start = core::array::from_fn(|i| covariance[i][i].sqrt());
     let mut relaxing = Vec::new();
-    G::relaxation(&mut |state, r: calib_core::Relaxation<f64>| {
-        relaxing.push((state - CORE, r.rate, r.density));
-    });
+    relaxations::<G, f64>(|state, r| relaxing.push((state - CORE, r.rate, r.density)));
     let mut about = G::Shape::vector(0.0);
     about.as_mut_slice()[..A::Shape::STATES].copy_from_slice(first.estimate().as_slice());
     let mut passes = 0;

@@ -11,7 +11,6 @@ effect! {
     AccelCubic {
         table: accel_cubic,
         jacobian: input,
-        set: ACCEL_CUBIC,
         needs: &[needs::ACCELEROMETER],
         prior: 2e-6,
         sheet: "ug/g^3" = PPM / (GRAVITY * GRAVITY),

@@ -14,7 +14,6 @@ effect! {
     AccelDelay {
         table: accel_delay,
         jacobian: input,
-        set: ACCEL_DELAY,
         needs: &[needs::ACCELEROMETER],
         prior: 5e-3,
         sheet: "ms" = MILLI,

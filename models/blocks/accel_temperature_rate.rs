@@ -10,7 +10,6 @@ effect! {
     AccelTemperatureRate {
         table: accel_temperature_rate,
         jacobian: input,
-        set: ACCEL_TEMPERATURE_RATE,
         needs: &[needs::ACCELEROMETER],
         prior: 0.05,
         sheet: "ug/(K/min)" = 60.0 * MICRO_G,

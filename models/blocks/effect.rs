@@ -10,7 +10,6 @@ macro_rules! effect {
         $name:ident {
             table: $table:ident,
             jacobian: $jacobian:ident,
-            set: $set:ident,
             needs: $needs:expr,
             prior: $prior:expr,
             sheet: $unit:literal = $scale:expr,
@@ -25,8 +24,8 @@ macro_rules! effect {
             type Dynamics = $crate::Strapdown;
             type View<'a, T: calib_core::Real> = calib_core::BlockView<'a, Self, T>;
 
+            const NAME: &'static str = $crate::tables::$table::TABLE.name;
             const DIM: usize = $crate::tables::$table::TABLE.components.len();
-            const SET: calib_core::BlockSet = super::set::$set;
             const NEEDS: &'static [calib_core::Need] = $needs;
 
             fn states(visit: &mut dyn FnMut(calib_core::StateInfo)) {
@@ -34,6 +33,10 @@ macro_rules! effect {
             }
 
             effect!(@jacobian $jacobian $table);
+        }
+
+        impl calib_core::Counted for $name {
+            type States = calib_core::declare::Size<{ <$name as calib_core::Block>::DIM }>;
         }
 
         impl $crate::Effect for $name {

@@ -9,7 +9,6 @@ effect! {
     GyroGSensitivity {
         table: gyro_g_sensitivity,
         jacobian: input,
-        set: GYRO_G_SENSITIVITY,
         needs: &[],
         prior: 0.5 * DEG_PER_HOUR / GRAVITY,
         sheet: "deg/h/g" = DEG_PER_HOUR / GRAVITY,

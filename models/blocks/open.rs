@@ -12,15 +12,13 @@ use crate::{AnyBlock, Point, Signals, Strapdown};
 ///
 /// - Where: in a filter that is compiled before it is known what it has to model. The states of the first block come first; what
 ///   is left over has no Jacobian and a prior of zero, and takes no part.
-/// - What joins is given to the run: [`Calibration::with_open`](crate::Calibration::with_open).
+/// - What joins is given to the run: [`Setup::open`](crate::Setup::open).
 /// - A filter says nothing of what joins: names, units and priors of the states come with
 ///   [`Calibration::parameters`](crate::Calibration::parameters).
 #[derive(Clone, Copy, Debug)]
 pub struct Open;
 
 impl Open {
-    /// Its name in the declaration; states that are taken carry the names of their own blocks.
-    pub const NAME: &'static str = "open";
     /// Number of its states.
     pub const CAPACITY: usize = 24;
 }
@@ -46,6 +44,8 @@ impl Block for Open {
     type Dynamics = Strapdown;
     type View<'a, T: Real> = BlockView<'a, Self, T>;
 
+    /// States that are taken carry the names of their own blocks.
+    const NAME: &'static str = "open";
     const DIM: usize = Self::CAPACITY;
 
     fn states(visit: &mut dyn FnMut(StateInfo)) {
@@ -80,12 +80,18 @@ impl Block for Open {
 }
 
 /// The blocks that take part in a filter with [`Open`]; none by default.
+///
+/// It also says whether the dither acts through the inner lever arm of a filter that declares [`Dither`](crate::Dither), as it does
+/// by default.
 #[derive(Clone, Copy, Default)]
-pub struct OpenBlocks(&'static [&'static dyn AnyBlock]);
+pub struct OpenBlocks {
+    blocks: &'static [&'static dyn AnyBlock],
+    uncoupled: bool,
+}
 
 impl OpenBlocks {
     /// None.
-    pub const NONE: Self = Self(&[]);
+    pub const NONE: Self = Self { blocks: &[], uncoupled: false };
 
     /// These blocks, in this order.
     ///
@@ -107,18 +113,30 @@ impl OpenBlocks {
                 return Err(OpenError { name, fault: Fault::Full });
             }
         }
-        Ok(Self(blocks))
+        Ok(Self { blocks, uncoupled: false })
+    }
+
+    /// The same where the dither does not act through the inner lever arm, whatever is declared.
+    #[must_use]
+    pub const fn without_dither(self) -> Self {
+        Self { uncoupled: true, ..self }
+    }
+
+    /// Whether the dither may act through the inner lever arm.
+    #[inline(always)]
+    pub const fn couples_dither(self) -> bool {
+        !self.uncoupled
     }
 
     /// Whether there is none.
     #[inline(always)]
     pub const fn is_empty(self) -> bool {
-        self.0.is_empty()
+        self.blocks.is_empty()
     }
 
     /// The blocks in order.
     pub const fn blocks(self) -> &'static [&'static dyn AnyBlock] {
-        self.0
+        self.blocks
     }
 
     /// Describes the states of filter `F` in order: those of its [`Open`] block as what takes them.
@@ -135,7 +153,7 @@ impl OpenBlocks {
     /// Describes the states of [`Open`].
     fn states(self, visit: &mut dyn FnMut(StateInfo)) {
         let mut taken = 0;
-        for block in self.0 {
+        for block in self.blocks {
             block.states(&mut |info| {
                 taken += 1;
                 visit(info);
@@ -149,7 +167,7 @@ impl OpenBlocks {
     #[inline]
     fn each(self, mut visit: impl FnMut(usize, &'static dyn AnyBlock)) {
         let mut offset = 0;
-        for block in self.0 {
+        for block in self.blocks {
             visit(offset, *block);
             offset += block.dim();
         }
@@ -186,13 +204,13 @@ fn name(block: &dyn AnyBlock) -> &'static str {
 /// The same blocks at the same place in memory.
 impl PartialEq for OpenBlocks {
     fn eq(&self, other: &Self) -> bool {
-        core::ptr::eq(self.0, other.0)
+        core::ptr::eq(self.blocks, other.blocks) && self.uncoupled == other.uncoupled
     }
 }
 
 impl Debug for OpenBlocks {
     fn fmt(&self, f: &mut Formatter<'_>) -> core::fmt::Result {
-        f.debug_list().entries(self.0).finish()
+        f.debug_list().entries(self.blocks).finish()
     }
 }
 

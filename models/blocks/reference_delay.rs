@@ -11,7 +11,6 @@ effect! {
     ReferenceDelay {
         table: reference_delay,
         jacobian: measurement,
-        set: REFERENCE_DELAY,
         needs: &[],
         prior: 1e-2,
         sheet: "ms" = MILLI,

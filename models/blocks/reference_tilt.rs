@@ -12,7 +12,6 @@ effect! {
     ReferenceTilt {
         table: reference_tilt,
         jacobian: measurement,
-        set: REFERENCE_TILT,
         needs: &[],
         prior: 1e-3,
         sheet: "arcsec" = ARCSEC,

@@ -5,7 +5,8 @@ mod known;
 mod update;
 
 use calib_core::{
-    Conventional, CoreVector, Fade, Filter, Form, Kalman, Shape, StateInfo, Transition, Vector,
+    Conventional, CoreVector, Fade, Filter, Form, Kalman, Shape, StateInfo, Transition, Vector, first_state,
+    relaxations,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -15,7 +16,7 @@ use crate::compensation::Compensator;
 use crate::gate::Gate;
 use crate::outcome::{Diverged, Statistics, Update};
 use crate::strapdown::{Before, Increments, NavigationState};
-use crate::{Event, Observer, OpenBlocks, Point, Sample, Setup, Signals, Strapdown, earth};
+use crate::{Event, Observer, OpenBlocks, OuterLeverArm, Point, Sample, Setup, Signals, Strapdown, earth};
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
 const STEP_ANGLE: f64 = 0.02;
@@ -94,26 +95,14 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
 
     /// A run whose prior standard deviations go through `adjust(state, info, sigma)`; a parameter with zero takes no
     /// part.
-    pub fn with_prior(setup: &Setup, adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
-        Self::with_open(setup, OpenBlocks::NONE, adjust)
-    }
-
-    /// [`with_prior`](Self::with_prior) for a filter with the block [`Open`](crate::Open), which `blocks` take.
-    pub fn with_open(
-        setup: &Setup,
-        blocks: OpenBlocks,
-        mut adjust: impl FnMut(usize, &StateInfo, f64) -> f64,
-    ) -> Self {
+    pub fn with_prior(setup: &Setup, mut adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
+        let blocks = setup.open;
         let mut prior = F::Shape::vector(0.0);
-        let mut lever_at = None;
         let mut i = 0;
         blocks.states_of::<F>(&mut |info| {
             prior[i] = info.prior_sigma;
             if let Some((_, sigma)) = setup.priors.iter().find(|(name, _)| *name == info.block) {
                 prior[i] = *sigma;
-            }
-            if info.block == "outer-lever-arm" && lever_at.is_none() {
-                lever_at = Some(i);
             }
             prior[i] = adjust(i, &info, prior[i]);
             i += 1;
@@ -156,7 +145,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             density,
             parameters: F::Shape::vector(0.0),
             prior,
-            lever_at,
+            lever_at: first_state::<F, OuterLeverArm>(),
             pilot: None,
             compensator: Compensator::new(setup.reference_temperature).with_open(blocks),
             navigation: NavigationState::at_rest(&setup.site, setup.initial.attitude),
@@ -210,6 +199,16 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             self.kalman.x_mut()[i] = 0.0;
         }
         self.pilot = None;
+    }
+
+    /// How the readings of the reference were spread so far.
+    pub fn gate(&self) -> Gate {
+        self.gate
+    }
+
+    /// Judges the reference in the next pass by how its readings were spread in one of another filter over the same log.
+    pub fn judge_as(&mut self, gate: Gate) {
+        self.gate = gate;
     }
 
     /// Judges the reference in the next pass by how its readings were spread in one of another filter over the same log.
@@ -316,7 +315,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         self.kalman.predict(&self.transition, &self.density);
         observer.observe::<C>(Event::Predicted { transition: &self.transition, density: &self.density });
         observer.observe(Event::Moved(&self.kalman));
-        F::relaxation(&mut |state, relaxation| {
+        relaxations::<F, f64>(|state, relaxation| {
             self.parameters[state] *= Fade::over(relaxation, state, elapsed).keep;
         });
         if let Some(pilot) = &mut self.pilot {

@@ -1,9 +1,10 @@
 //! Blocks and effects known at run time only.
 
+use core::any::TypeId;
 use core::fmt::{Debug, Formatter, Result};
 use core::marker::PhantomData;
 
-use calib_core::{Block, Relaxation, StateInfo};
+use calib_core::{Block, Relaxation, StateInfo, relaxations};
 
 use super::{Effect, EffectInfo};
 use crate::{Point, Signals, Strapdown};
@@ -33,6 +34,10 @@ pub trait AnyBlock: Send + Sync {
 pub trait AnyEffect: AnyBlock {
     /// Its entry.
     fn info(&self) -> &'static EffectInfo;
+    /// Its type.
+    fn id(&self) -> TypeId;
+    /// It as a block.
+    fn block(&self) -> &'static dyn AnyBlock;
     /// [`Effect::error`].
     fn error(&self, signals: &Signals<f64>, values: &[f64], error: &mut [f64; 6]);
     /// [`Effect::reference_error`].
@@ -79,13 +84,21 @@ impl<B: Block<Dynamics = Strapdown>> AnyBlock for Erased<B> {
     }
 
     fn relaxation(&self, put: &mut dyn FnMut(usize, Relaxation<f64>)) {
-        B::relaxation(&mut |state, relaxation| put(state, relaxation));
+        relaxations::<B, f64>(put);
     }
 }
 
 impl<E: Effect> AnyEffect for Erased<E> {
     fn info(&self) -> &'static EffectInfo {
         const { &E::EFFECT }
+    }
+
+    fn id(&self) -> TypeId {
+        TypeId::of::<E>()
+    }
+
+    fn block(&self) -> &'static dyn AnyBlock {
+        <dyn AnyBlock>::of::<E>()
     }
 
     fn error(&self, signals: &Signals<f64>, values: &[f64], error: &mut [f64; 6]) {

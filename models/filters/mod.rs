@@ -5,7 +5,7 @@
 
 pub mod literature;
 
-use calib_core::{BlockSet, Filter, StateInfo};
+use calib_core::{Block, Filter, StateInfo, declares};
 use state_macro::StateBlocks;
 
 use crate::Strapdown;
@@ -105,7 +105,7 @@ macro_rules! declared {
 
         /// Calls `visitor` with the filter called `name`; `None` when there is none.
         pub fn visit_filter<V: FilterVisitor>(name: &str, visitor: V) -> Option<V::Output> {
-            $(if name == <$filter as Filter>::NAME {
+            $(if name == <$filter as Block>::NAME {
                 return Some(visitor.visit::<$filter>());
             })+
             None
@@ -136,7 +136,7 @@ pub struct FilterInfo {
     /// until the first turn a tilt of 0.03 deg is taken for accelerometer biases, and acts to second order. The second
     /// removes it. Errors of 1e-2, those of a MEMS unit, take a third.
     pub passes: u32,
-    blocks: BlockSet,
+    dithers: bool,
     measures: &'static [usize],
     describe: fn(&mut dyn FnMut(StateInfo)),
 }
@@ -144,8 +144,8 @@ pub struct FilterInfo {
 impl FilterInfo {
     /// What the declaration of `F` says, with the passes its class of units needs and what it holds in a few words.
     pub const fn of<F: Filter<Dynamics = Strapdown>>(passes: u32, about: &'static str) -> Self {
-        let (blocks, measures) = (F::SET, F::MEASURES);
-        Self { name: F::NAME, states: F::DIM, about, passes, blocks, measures, describe: F::states }
+        let (dithers, measures) = (declares::<F, Dither>(), F::MEASURES);
+        Self { name: F::NAME, states: F::DIM, about, passes, dithers, measures, describe: F::states }
     }
 
     /// Describes the states in order.
@@ -156,7 +156,7 @@ impl FilterInfo {
     /// Whether the filter takes the size effect of the dither from the places of the accelerometers: it then needs a log that
     /// tells the dither.
     pub fn needs_dither(&self) -> bool {
-        self.blocks.contains(set::DITHER)
+        self.dithers
     }
 
     /// Names of the measurements, in order.

@@ -20,7 +20,7 @@ mod information;
 mod segments;
 
 use calib_core::{
-    Array, Decomposition, Filter, Measurement, ObservabilityRows, Shape, Triangle, Vector, restrict,
+    Array, Decomposition, Dynamics, Filter, Measurement, ObservabilityRows, Shape, Triangle, Vector, relaxes,
 };
 
 use crate::{Calibration, Conventional, Setup, Strapdown};
@@ -72,9 +72,9 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
     /// parameters' part of F is zero). With parameters that relax all N are taken.
     pub fn add(&mut self, segment: &Segment) {
         let mut signals = segment.signals;
-        restrict::<F, f64>(&mut signals);
+        Strapdown::restrict::<F, f64>(&mut signals);
         let mut rows = ObservabilityRows::<F, f64>::new(&segment.point, &signals, segment.duration);
-        let powers = if F::RELAXES { F::Shape::STATES } else { F::Shape::CORE };
+        let powers = if relaxes::<F>() { F::Shape::STATES } else { F::Shape::CORE };
         let mut factorial = 1.0;
         for k in 0..=powers {
             if k > 0 {
@@ -89,6 +89,14 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
                 self.triangle.append(&row);
             }
         }
+    }
+
+    /// Takes a state for known: a row that it alone moves, by twice the tolerance. What is decomposed then has a singular value for it
+    /// that says nothing of the data.
+    pub fn know(&mut self, state: usize) {
+        let mut row = F::Shape::vector(0.0);
+        row[state] = 2.0 * TOLERANCE;
+        self.triangle.append(&row);
     }
 
     /// Takes in what another one has stacked.

@@ -43,6 +43,15 @@ pub enum Error {
     /// The memory of the smoother failed.
     #[error("the temporary file of the smoother: {0}")]
     Tape(#[from] std::io::Error),
+    /// A filter cannot be composed so.
+    #[error(transparent)]
+    Compose(#[from] crate::ComposeError),
+    /// There is no effect of a name.
+    #[error("there is no effect called {name}")]
+    NoEffect {
+        /// The name.
+        name: String,
+    },
     /// There is no filter of a name.
     #[error("there is no filter called {name}")]
     NoFilter {

@@ -19,6 +19,8 @@
 //!
 //! This crate knows no file of a log and no simulator: samples come from whatever implements [`Samples`].
 
+mod compiled;
+mod compose;
 mod driver;
 mod error;
 mod filter;
@@ -26,15 +28,19 @@ mod history;
 mod navigate;
 mod observe;
 mod outcome;
+mod pool;
 mod refusals;
 mod running;
 mod samples;
 mod tape;
+mod trace;
 mod vocabulary;
 
+pub use compiled::{About, Compiled, Selection};
+pub use compose::{ComposeError, Composition};
 pub use driver::{Watch, calibrate, calibrate_all};
 pub use error::Error;
-pub use filter::{AnyFilter, Declared};
+pub use filter::{AnyFilter, Declared, Leaf, Pool};
 pub use history::History;
 pub use navigate::{Calibrated, Flight, Values, navigate};
 pub use observe::{Analysis, SPANS, State, observe};
@@ -42,4 +48,5 @@ pub use outcome::{Outcome, Verdict};
 pub use refusals::Stretch;
 pub use running::{Form, Options, Running};
 pub use samples::{Extent, ReadError, Samples, each, extent};
+pub use trace::{Measured, Moved, Row, Trace, Traced};
 pub use vocabulary::Vocabulary;

@@ -1,16 +1,17 @@
 //! Driving the library's views of what a log can tell.
 
-use calib_core::{Decomposition, Extended};
-use hybrid_array::typenum::U3;
+use calib_core::{Block as _, Decomposition};
 use sinscal::observability::{
     Direction, Information, Observability, Segment, Segmenter, TOLERANCE, basis, prior,
 };
 use sinscal::{
-    Calibration, Conventional, DitherSizeEffect, Diverged, Filter, Setup, Shape, Sins36P, Sins39P, Sins40P,
-    Sins43P, StateInfo, Strapdown,
+    AnyEffect, Calibration, Conventional, DitherSizeEffect, Diverged, Filter, Setup, Shape, StateInfo,
+    Strapdown,
 };
 
 use crate::Error;
+use crate::compiled::{Selection, own};
+use crate::compose::Composition;
 use crate::filter::AnyFilter;
 use crate::samples::{Samples, each, extent};
 
@@ -42,7 +43,9 @@ pub struct Analysis {
     pub spans: [f64; SPANS + 1],
     /// The filter diverged on the log: there are no sigmas to expect.
     pub diverged: Option<Diverged>,
-    /// Combinations with dither that the filter leaves out, and whether the log has any.
+    /// Whether the log tells any dither.
+    pub dithers: bool,
+    /// Combinations with the dither's size effect that cannot be told apart, where the filter leaves it out and the log has it.
     pub confounded: Vec<Direction>,
 }
 
@@ -67,21 +70,35 @@ pub struct State {
 /// # Errors
 /// When the log cannot be read.
 pub fn observe(filter: &dyn AnyFilter, samples: &dyn Samples, setup: &Setup) -> Result<Analysis, Error> {
-    filter.observe(samples, setup)
+    let mut analysis = filter.observe(samples, setup)?;
+    if analysis.dithers
+        && !filter.needs_dither()
+        && let Ok(with_dither) = Composition::new(filter, &[<dyn AnyEffect>::of::<DitherSizeEffect>()])
+    {
+        let dither = |direction: &Direction| {
+            direction.terms.iter().any(|(info, _)| info.block == DitherSizeEffect::NAME)
+        };
+        let with_dither: &dyn AnyFilter = &with_dither;
+        analysis.confounded = with_dither.observe(samples, setup)?.unobservable;
+        analysis.confounded.retain(dither);
+    }
+    Ok(analysis)
 }
 
 /// [`observe`] for the filter `F`.
 pub(crate) fn look<F: Filter<Dynamics = Strapdown>>(
     samples: &dyn Samples,
     setup: &Setup,
+    selection: &Selection,
 ) -> Result<Analysis, Error> {
+    let setup = &Setup { open: selection.open, ..*setup };
     // once for its length, so that nothing of it need be kept until the end is known
     let extent = extent(samples)?;
     let mut run = Box::new(Calibration::<F, Conventional>::new(setup));
     let before = prior(&run);
     let mut information = Box::new(Information::new(&run));
     let mut segmenter = Segmenter::new(setup);
-    let mut stack = Stack::<F>::new(setup, (extent.first - 1.0 / setup.rate, extent.last));
+    let mut stack = Stack::<F>::new(setup, (extent.first - 1.0 / setup.rate, extent.last), selection);
     let mut diverged = None;
     each::<Error>(samples, |sample| {
         if let Some(segment) = segmenter.push(sample) {
@@ -98,40 +115,51 @@ pub(crate) fn look<F: Filter<Dynamics = Strapdown>>(
 
     let degrees = stack.close();
     let found = stack.whole.decompose();
-    let rank = found.rank(TOLERANCE);
+    let held = |value: &usize| stack.held.iter().any(|state| found.direction(*value)[*state].abs() > 0.5);
+    let shown: Vec<usize> = (0..F::Shape::STATES).filter(|value| !held(value)).collect();
     let bound = information.sigmas();
     let after = prior(&run);
-    let mut states = Vec::new();
-    F::states(&mut |info| {
-        let i = states.len();
-        states.push(State {
-            info,
-            spans: std::array::from_fn(|span| degrees[span].degree(i)),
-            degree: found.degree(i),
-            prior_sigma: before[i],
-            bound_sigma: bound[i],
-            expected_sigma: diverged.is_none().then_some(after[i]),
-        });
-    });
+    let mut infos = Vec::with_capacity(F::Shape::STATES);
+    selection.open.states_of::<F>(&mut |info| infos.push(info));
+    let state = |i: usize| State {
+        info: infos[i],
+        spans: std::array::from_fn(|span| degrees[span].degree(i)),
+        degree: found.degree(i),
+        prior_sigma: before[i],
+        bound_sigma: bound[i],
+        expected_sigma: diverged.is_none().then_some(after[i]),
+    };
+    let mut declared = Vec::with_capacity(F::Shape::STATES);
+    F::states(&mut |info| declared.push(info));
+    // what joined at run time has names of its own
+    let named = |mut direction: Direction| {
+        for (info, _) in &mut direction.terms {
+            let same = |other: &StateInfo| (other.block, other.component) == (info.block, info.component);
+            *info = declared.iter().position(same).map_or(*info, |i| infos[i]);
+        }
+        direction
+    };
+    let basis = |found, which| basis::<F>(found, which).into_iter().map(named).collect::<Vec<_>>();
     let ignorance = information.ignorance(&run);
     let weak = ignorance.values().iter().take_while(|part| **part > WEAK).count();
-    let weak = basis::<F>(&ignorance, 0..weak)
+    let weak = basis(&ignorance, 0..weak)
         .into_iter()
         .zip(ignorance.values())
         .map(|(direction, part)| (direction, part.sqrt()))
         .collect();
     Ok(Analysis {
-        states,
-        rank,
-        singular_values: found.values().to_vec(),
+        states: (0..F::Shape::CORE).chain(selection.states.iter().copied()).map(state).collect(),
+        rank: shown.iter().filter(|value| found.values()[**value] > TOLERANCE).count(),
+        singular_values: shown.iter().map(|value| found.values()[*value]).collect(),
         rounding: found.rounding(),
-        unobservable: basis::<F>(&found, rank..F::Shape::STATES),
+        unobservable: basis(&found, found.rank(TOLERANCE)..F::Shape::STATES),
         weak,
         segments: stack.segments,
         turning: stack.turning,
         diverged,
+        dithers: stack.dithers,
         spans: stack.spans,
-        confounded: stack.confounded(),
+        confounded: Vec::new(),
     })
 }
 
@@ -143,25 +171,29 @@ struct Stack<'a, F: Filter<Dynamics = Strapdown>> {
     whole: Box<Observability<F>>,
     part: Box<Observability<F>>,
     degrees: Vec<Decomposition<F::Shape, f64>>,
-    with_dither: Option<Box<dyn Rows>>,
+    /// States that take no part.
+    held: Vec<usize>,
     dithers: bool,
     segments: usize,
     turning: usize,
 }
 
 impl<'a, F: Filter<Dynamics = Strapdown>> Stack<'a, F> {
-    fn new(setup: &'a Setup<'a>, (start, end): (f64, f64)) -> Self {
-        Self {
+    fn new(setup: &'a Setup<'a>, (start, end): (f64, f64), selection: &Selection) -> Self {
+        let held = own::<F>().filter(|state| selection.place(*state).is_none()).collect();
+        let mut stack = Self {
             setup,
             spans: std::array::from_fn(|i| start + (end - start) * i as f64 / SPANS as f64),
             whole: Box::new(Observability::new(setup)),
             part: Box::new(Observability::new(setup)),
             degrees: Vec::new(),
-            with_dither: with_dither(F::NAME, setup),
+            held,
             dithers: false,
             segments: 0,
             turning: 0,
-        }
+        };
+        stack.held.iter().for_each(|state| stack.whole.know(*state));
+        stack
     }
 
     fn add(&mut self, segment: &Segment) {
@@ -174,9 +206,6 @@ impl<'a, F: Filter<Dynamics = Strapdown>> Stack<'a, F> {
         self.segments += 1;
         self.turning += usize::from(segment.turning);
         self.dithers |= segment.signals.dither.norm() > 0.0;
-        if let Some(rows) = &mut self.with_dither {
-            rows.add(segment);
-        }
     }
 
     fn close_span(&mut self) {
@@ -191,50 +220,5 @@ impl<'a, F: Filter<Dynamics = Strapdown>> Stack<'a, F> {
             self.close_span();
         }
         std::mem::take(&mut self.degrees)
-    }
-
-    /// What dither, where the log has it and the filter leaves it out, cannot be told apart from.
-    fn confounded(&self) -> Vec<Direction> {
-        self.with_dither.as_ref().filter(|_| self.dithers).map_or(Vec::new(), |rows| rows.lost())
-    }
-}
-
-/// Rows of a filter of another type.
-trait Rows {
-    fn add(&mut self, segment: &Segment);
-    /// Combinations with dither that cannot be found.
-    fn lost(&self) -> Vec<Direction>;
-}
-
-impl<F: Filter<Dynamics = Strapdown>> Rows for Observability<F> {
-    fn add(&mut self, segment: &Segment) {
-        Observability::add(self, segment);
-    }
-
-    fn lost(&self) -> Vec<Direction> {
-        let found = self.decompose();
-        let mut directions = basis::<F>(&found, found.rank(TOLERANCE)..F::Shape::STATES);
-        let dither = |direction: &Direction| {
-            direction.terms.iter().any(|(info, _)| info.block == "dither-size-effect")
-        };
-        directions.retain(dither);
-        directions
-    }
-}
-
-/// The filter called `filter` with the dither that it leaves out.
-fn with_dither(filter: &str, setup: &Setup) -> Option<Box<dyn Rows>> {
-    fn rows<F: Filter<Dynamics = Strapdown>>(setup: &Setup) -> Option<Box<dyn Rows>>
-    where
-        Observability<F>: 'static,
-    {
-        Some(Box::new(Observability::<F>::new(setup)))
-    }
-    match filter {
-        "36d-p" => rows::<Extended<Sins36P, DitherSizeEffect, U3>>(setup),
-        "39d-p" => rows::<Extended<Sins39P, DitherSizeEffect, U3>>(setup),
-        "40d-p" => rows::<Extended<Sins40P, DitherSizeEffect, U3>>(setup),
-        "43d-p" => rows::<Extended<Sins43P, DitherSizeEffect, U3>>(setup),
-        _ => None,
     }
 }

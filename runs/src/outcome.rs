@@ -1,7 +1,7 @@
 //! What came of a run, and what to think of it.
 
 use nalgebra::{UnitQuaternion, Vector3};
-use sinscal::{ChannelInnovations, Parameter, Smoothed, Statistics};
+use sinscal::{ChannelInnovations, Gate, Parameter, Smoothed, Statistics};
 
 use crate::history::History;
 use crate::navigate::Values;
@@ -34,6 +34,8 @@ pub struct Outcome {
     pub history: History,
     /// Sums over the updates of the last pass.
     pub statistics: Statistics,
+    /// How the readings of the reference were spread, by which another run over the log may judge them.
+    pub gate: Gate,
     /// Attitude at the last sample, C_bn.
     pub attitude: UnitQuaternion<f64>,
     /// Position of the IMU from the site origin in n at the last sample, m.

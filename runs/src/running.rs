@@ -8,6 +8,7 @@ use sinscal::{
     Statistics, Strapdown,
 };
 
+use crate::compiled::Selection;
 use crate::filter::AnyFilter;
 use crate::history::History;
 use crate::outcome::Outcome;
@@ -28,6 +29,8 @@ pub struct Options {
     pub residuals: bool,
     /// Least time between two points of the history, s; zero keeps them as densely as memory allows.
     pub history_step: f64,
+    /// Prior standard deviations of the parameters, in their order, SI; those of setup and blocks where empty.
+    pub priors: Vec<f64>,
     /// What a coarse calibration took out of the samples: it stands in the estimates and makes the priors.
     pub coarse: Option<CoarseCalibration>,
 }
@@ -41,6 +44,7 @@ impl Options {
             smooth: false,
             residuals: false,
             history_step: 0.0,
+            priors: Vec::new(),
             coarse: None,
         }
     }
@@ -94,10 +98,11 @@ pub(crate) fn start<F: Filter<Dynamics = Strapdown>>(
     title: String,
     setup: &Setup,
     options: &Options,
+    selection: &Selection,
 ) -> Box<dyn Running> {
     match options.form {
-        Form::Conventional => Box::new(Run::<F, Conventional>::new(title, setup, options)),
-        Form::Ud => Box::new(Run::<F, Ud>::new(title, setup, options)),
+        Form::Conventional => Box::new(Run::<F, Conventional>::new(title, setup, options, selection)),
+        Form::Ud => Box::new(Run::<F, Ud>::new(title, setup, options, selection)),
     }
 }
 
@@ -105,6 +110,7 @@ struct Run<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> {
     title: String,
     calibration: Calibration<F, C>,
     options: Options,
+    selection: Selection,
     interval: f64,
     pass: u32,
     extent: Extent,
@@ -115,30 +121,38 @@ struct Run<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> {
 }
 
 impl<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> Run<F, C> {
-    fn new(title: String, setup: &Setup, options: &Options) -> Self {
+    fn new(title: String, setup: &Setup, options: &Options, selection: &Selection) -> Self {
         let coarse = options.coarse.as_ref();
-        let prior = |_, info: &StateInfo, sigma| coarse.map_or(sigma, |coarse| coarse.prior(info, sigma));
+        let prior = |state, info: &StateInfo, sigma| match selection.place(state) {
+            None if state >= F::Shape::CORE => 0.0,
+            Some(place) if !options.priors.is_empty() => options.priors[place],
+            _ => coarse.map_or(sigma, |coarse| coarse.prior(info, sigma)),
+        };
         Self {
             title,
-            calibration: Calibration::with_prior(setup, prior),
+            calibration: Calibration::with_prior(&Setup { open: selection.open, ..*setup }, prior),
             options: options.clone(),
+            selection: selection.clone(),
             interval: 1.0 / setup.rate,
             pass: 0,
             extent: Extent::default(),
             dithers: false,
-            history: History::new(F::Shape::STATES - F::Shape::CORE, options.history_step),
+            history: History::new(selection.states.len(), options.history_step),
             observer: (Refusals::default(), (None, None)),
         }
     }
 }
 
-/// The parameters so far, with what a coarse calibration took out of the samples.
+/// The parameters so far that take part, with what a coarse calibration took out of the samples.
 fn estimates<F: Filter<Dynamics = Strapdown>, C: sinscal::Form>(
     calibration: &Calibration<F, C>,
+    selection: &Selection,
     coarse: Option<&CoarseCalibration>,
 ) -> Vec<Parameter> {
-    let mut parameters = Vec::new();
-    calibration.parameters(&mut |parameter| parameters.push(parameter));
+    let mut all = Vec::with_capacity(F::Shape::STATES);
+    calibration.parameters(&mut |parameter| all.push(parameter));
+    let mut parameters: Vec<Parameter> =
+        selection.states.iter().map(|state| all[state - F::Shape::CORE]).collect();
     if let Some(coarse) = coarse {
         let states: Vec<StateInfo> = parameters.iter().map(|parameter| parameter.info).collect();
         let mut values: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
@@ -168,7 +182,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: sinscal::Form + Send> Running for Run<F
             self.dithers |= sample.dither.iter().any(|amplitude| *amplitude > 0.0);
             let update = self.calibration.step_observed(sample, &mut self.observer)?;
             if update.is_some() && self.history.due(sample.time) {
-                let now = estimates(&self.calibration, self.options.coarse.as_ref());
+                let now = estimates(&self.calibration, &self.selection, self.options.coarse.as_ref());
                 self.history
                     .push(sample.time, now.iter().map(|parameter| (parameter.value, parameter.sigma)));
             }
@@ -181,17 +195,17 @@ impl<F: Filter<Dynamics = Strapdown>, C: sinscal::Form + Send> Running for Run<F
     }
 
     fn finish(mut self: Box<Self>) -> io::Result<Outcome> {
-        let parameters = estimates(&self.calibration, self.options.coarse.as_ref());
+        let parameters = estimates(&self.calibration, &self.selection, self.options.coarse.as_ref());
         self.history
             .push(self.extent.last, parameters.iter().map(|parameter| (parameter.value, parameter.sigma)));
         let dense = self.calibration.covariance();
-        let own = F::Shape::CORE..F::Shape::STATES;
-        let covariance = own.clone().map(|i| own.clone().map(|j| dense[i][j]).collect()).collect();
+        let taken = &self.selection.states;
+        let covariance = taken.iter().map(|i| taken.iter().map(|j| dense[*i][*j]).collect()).collect();
         let (refusals, (smoother, innovations)) = self.observer;
         let start = self.extent.first - self.interval;
         Ok(Outcome {
             filter: self.title,
-            states: F::Shape::STATES,
+            states: F::Shape::CORE + parameters.len(),
             samples: self.extent.samples,
             start,
             duration: self.extent.last - start,
@@ -199,6 +213,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: sinscal::Form + Send> Running for Run<F
             covariance,
             history: self.history,
             statistics: *self.calibration.statistics(),
+            gate: self.calibration.gate(),
             attitude: self.calibration.attitude(),
             position: self.calibration.position(),
             velocity: self.calibration.navigation().velocity,

@@ -35,7 +35,7 @@ fn expand(layout: &Layout) -> TokenStream {
     let belong = layout.declaration.fields.iter().map(|field| belongs(layout, field));
     let rules = rules(layout);
     let block = block(layout);
-    let filter = layout.is_filter().then(|| filter(layout));
+    let own = if layout.is_filter() { filter(layout) } else { counted(layout) };
     let inherent = inherent(layout);
     quote! {
         #view
@@ -47,7 +47,7 @@ fn expand(layout: &Layout) -> TokenStream {
             #(#belong)*
             #rules
             #block
-            #filter
+            #own
             #inherent
         };
     }
@@ -139,7 +139,7 @@ fn rule(core: &TokenStream, (first, last): (Span, Span), verdict: TokenStream) -
 }
 
 fn block(layout: &Layout) -> TokenStream {
-    let Layout { declaration, core, dynamics, view, .. } = layout;
+    let Layout { declaration, core, dynamics, name, view, .. } = layout;
     let Declaration { ident, attrs, fields, .. } = declaration;
     let needs = (attrs.kind == Some(Kind::Group)).then(|| {
         quote! {
@@ -156,10 +156,10 @@ fn block(layout: &Layout) -> TokenStream {
         impl #core::Block for #ident {
             type Dynamics = #dynamics;
             type View<'a, T: #core::Real> = #view<'a, T>;
+            const NAME: &'static str = #name;
             const DIM: usize = #core::declare::dim(&PARTS);
-            const SET: #core::BlockSet = #core::declare::set(&PARTS);
             #needs
-            const RELAXES: bool = #core::declare::relaxes(&PARTS);
+            const PARTS: &'static [#core::declare::Part] = &PARTS;
 
             fn states(visit: &mut dyn ::core::ops::FnMut(#core::StateInfo)) {
                 #(#core::declare::Field::<#types, Self::Dynamics>::states(visit);)*
@@ -186,24 +186,35 @@ fn block(layout: &Layout) -> TokenStream {
             }
 
             #[inline(always)]
-            fn relaxation<T: #core::Real>(put: &mut impl ::core::ops::FnMut(usize, #core::Relaxation<T>)) {
-                #(#core::declare::Field::<#types, Self::Dynamics>::relaxation::<T>(
-                    Self::OFFSETS.#names, put,
+            fn blocks(first: usize, visitor: &mut impl #core::BlockVisitor<Self::Dynamics>) {
+                #(#core::declare::Field::<#types, Self::Dynamics>::blocks(
+                    first + Self::OFFSETS.#names, visitor,
                 );)*
             }
         }
     }
 }
 
+/// The number of states as a type.
+fn counted(layout: &Layout) -> TokenStream {
+    let Layout { declaration, core, .. } = layout;
+    let ident = declaration.ident;
+    quote! {
+        #[automatically_derived]
+        impl #core::Counted for #ident {
+            type States = #core::declare::Size<{ #core::declare::dim(&PARTS) }>;
+        }
+    }
+}
+
 fn filter(layout: &Layout) -> TokenStream {
-    let Layout { declaration, core, name, .. } = layout;
-    let Declaration { ident, .. } = declaration;
+    let Layout { declaration, core, .. } = layout;
+    let ident = declaration.ident;
     let size = of_dynamics(layout, "CORE");
     let channels = channels(layout);
     quote! {
         #[automatically_derived]
         impl #core::Filter for #ident {
-            const NAME: &'static str = #name;
             type Shape = #core::Dim<
                 { #core::declare::dim(&PARTS) },
                 { #size },

@@ -23,7 +23,6 @@ pub(crate) fn expand(input: &DeriveInput, attrs: &Attributes) -> Option<TokenStr
         quote! {
             #[automatically_derived]
             impl #implemented #core::Filter for #ident #ty #clause {
-                const NAME: &'static str = #name;
                 type Shape = #core::Dim<0, 0, 0>;
                 const MEASURES: &'static [usize] = &[];
             }
@@ -34,6 +33,7 @@ pub(crate) fn expand(input: &DeriveInput, attrs: &Attributes) -> Option<TokenStr
         impl #implemented #core::Block for #ident #ty #clause {
             type Dynamics = #dynamics;
             type View<'view, Scalar: #core::Real> = #core::BlockView<'view, Self, Scalar>;
+            const NAME: &'static str = #name;
             const DIM: usize = 0;
             fn states(_: &mut dyn ::core::ops::FnMut(#core::StateInfo)) {}
         }

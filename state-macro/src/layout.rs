@@ -14,7 +14,7 @@ pub(crate) struct Layout<'a> {
     pub(crate) core: TokenStream,
     /// Type of the dynamics.
     pub(crate) dynamics: TokenStream,
-    /// Name of the filter in reports.
+    /// Name in reports.
     pub(crate) name: String,
     /// Name of the view.
     pub(crate) view: Ident,

@@ -3,7 +3,9 @@
 
 mod toy;
 
-use calib_core::{Block, Dim, Dynamics, Estimate, Filter, Shape, View};
+use calib_core::{
+    Block, Dim, Estimate, Extended, Filter, Shape, View, declares, first_state, leaves, relaxations, relaxes,
+};
 use state_macro::StateBlocks;
 use toy::{Beacon, Bias, Force, Place, Rail, Scale, Speed, Sway, Wander};
 
@@ -30,6 +32,12 @@ pub(crate) struct Accel {
 struct Start {
     place: Place,
     speed: Speed,
+}
+
+#[derive(StateBlocks)]
+#[group(dynamics = Rail, crate = calib_core)]
+struct Aids {
+    beacon: Beacon,
 }
 
 #[derive(StateBlocks)]
@@ -107,18 +115,37 @@ fn jacobians_are_shifted_to_their_fields() {
     assert_eq!(entries, [(0, 4, -1.0)]);
 
     let mut entries = Vec::new();
-    LongCart::relaxation(&mut |state, relaxation: calib_core::Relaxation<f64>| {
-        entries.push((state, relaxation.rate));
-    });
+    relaxations::<LongCart, f64>(|state, relaxation| entries.push((state, relaxation.rate)));
     assert_eq!(entries, [(5, 0.1)]);
 }
 
 #[test]
 fn a_declaration_knows_its_blocks() {
-    const { assert!(LongCart::RELAXES && !Cart::RELAXES && !Accel::RELAXES) }
-    assert!(Rail::NEEDS.iter().all(|need| LongCart::SET.intersects(need.any_of)));
-    assert!(Cart::SET.contains(Accel::SET) && Cart::SET.contains(Beacon::SET));
-    assert!(!Accel::SET.intersects(Beacon::SET));
+    const { assert!(relaxes::<LongCart>() && !relaxes::<Cart>() && !relaxes::<Accel>()) }
+    const { assert!(declares::<LongCart, Bias>() && declares::<LongCart, Sway>() && declares::<Accel, Scale>()) }
+    const { assert!(!declares::<Accel, Beacon>() && !declares::<Cart, Wander>()) }
+    // a group is no block of its own
+    const { assert!(!declares::<Cart, Accel>()) }
+    let mut found = Vec::new();
+    leaves::<LongCart>(|leaf| found.push((leaf.name, leaf.first, leaf.states)));
+    let blocks = ["Place", "Speed", "Scale", "Bias", "Beacon", "Sway", "Wander"];
+    assert_eq!(found, std::array::from_fn::<_, 7, _>(|i| (blocks[i], i.min(5), usize::from(i != 5))));
+    assert_eq!(first_state::<LongCart, Wander>(), Some(5));
+    assert_eq!(first_state::<Cart, Wander>(), None);
+}
+
+#[test]
+fn a_group_extends_a_filter_without_a_count() {
+    type Grown = Extended<FromGroups, Aids>;
+    type Twice = Extended<Grown, Accel>;
+    const { assert!(Grown::DIM == 5 && Twice::DIM == 7 && declares::<Twice, Beacon>()) }
+    assert_eq!((<Grown as Filter>::Shape::STATES, <Twice as Filter>::Shape::STATES), (5, 7));
+    assert_eq!((Twice::NAME, Twice::MEASURES), ("from-groups", &[1][..]));
+    let mut found = Vec::new();
+    leaves::<Twice>(|leaf| found.push((leaf.name, leaf.first)));
+    let names =
+        [("Place", 0), ("Speed", 1), ("Scale", 2), ("Bias", 3), ("Beacon", 4), ("Scale", 5), ("Bias", 6)];
+    assert_eq!(found, names);
 }
 
 #[test]

@@ -33,6 +33,7 @@ pub(crate) fn setup() -> Setup<'static> {
         reference_temperature: 25.0,
         outer_lever: Vector3::new(0.1, -0.2, 0.05),
         priors: &[],
+        open: sinscal::OpenBlocks::NONE,
     }
 }
 

@@ -1,8 +1,8 @@
 //! The strapdown error model against the nonlinear mechanisation and measurement.
 
-use calib_core::{BlockSet, Dynamics};
+use calib_core::{Block, Dynamics};
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
-use sinscal::{Point, Signals, Strapdown, blocks::set, tables};
+use sinscal::{Point, Signals, Sins43B, Sins43P, Strapdown, tables};
 
 use crate::fields::{Inputs, Random, poison};
 use crate::reference::{attitude_residual, stack};
@@ -225,13 +225,12 @@ fn channels_are_numbered_without_gaps() {
 #[test]
 fn dither_reaches_only_those_who_declare_it() {
     let signals = Signals::random(&mut Random::new(14));
-    let restricted = |blocks: BlockSet| {
-        let mut restricted = signals;
-        Strapdown::restrict(&mut restricted, blocks);
-        restricted
-    };
-    assert_eq!(restricted(set::INNER_LEVER_ARM.union(set::DITHER)), signals);
-    assert_eq!(restricted(set::INNER_LEVER_ARM), Signals { coupled_dither: Vector3::zeros(), ..signals });
+    fn restricted<F: Block<Dynamics = Strapdown>>(mut signals: Signals<f64>) -> Signals<f64> {
+        Strapdown::restrict::<F, f64>(&mut signals);
+        signals
+    }
+    assert_eq!(restricted::<Sins43B>(signals), signals);
+    assert_eq!(restricted::<Sins43P>(signals), Signals { coupled_dither: Vector3::zeros(), ..signals });
 }
 
 #[test]

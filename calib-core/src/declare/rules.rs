@@ -1,7 +1,7 @@
 //! The rules across the fields of a declaration. Each function judges one field, or one name, or the whole.
 
 use super::text::{distance, equal};
-use super::{Part, Role, Text};
+use super::{Part, Role, Text, meets};
 use crate::{ChannelGroup, Need};
 
 /// What is wrong with field `i` of a filter whose dynamics begin with `leading`.
@@ -14,10 +14,9 @@ pub const fn filter_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
             .with(parts[i].name)
             .with("` is not a declared filter: a base is a struct with `#[filter(...)]`, a group of blocks or a block needs no `#[base]`");
     }
-    let declared = super::set(parts);
     let mut k = 0;
     while k < parts[i].needs.len() {
-        if !declared.intersects(parts[i].needs[k].any_of) {
+        if !meets(parts, &parts[i].needs[k]) {
             text = if text.is_empty() { text.with_name(parts[i].name).with(": ") } else { text.next() };
             text = text.with(parts[i].needs[k].message);
         }
@@ -27,11 +26,11 @@ pub const fn filter_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
         return text;
     }
     let text = out_of_order(text, parts, i, leading);
-    if parts[i].relaxes && leads(&parts[i], leading) {
+    if parts[i].relaxes() && leads(&parts[i], leading) {
         return text
             .next()
             .with_name(parts[i].name)
-            .with(" forgets by itself, but leading states move as the dynamics say: `relaxation` is for parameter blocks");
+            .with(" forgets by itself, but leading states move as the dynamics say: `RELAXATIONS` are for parameter blocks");
     }
     text
 }
@@ -56,10 +55,9 @@ pub const fn filter(parts: &[Part], leading: &[Need], core: usize) -> Text {
     if extends(parts) {
         return text;
     }
-    let declared = super::set(parts);
     let mut k = 0;
     while k < leading.len() {
-        if !declared.intersects(leading[k].any_of) {
+        if !meets(parts, &leading[k]) {
             text = text.next().with(leading[k].message);
         }
         k += 1;
@@ -128,23 +126,79 @@ const fn repeats(parts: &[Part], i: usize) -> Text {
     }
     let mut j = 0;
     while j < i {
-        if parts[j].set.intersects(parts[i].set) {
+        if let Some((one, other)) = shared(&parts[j], &parts[i]) {
+            let earlier = if parts[j].is_base() { "the base " } else { "" };
+            if one.dim != other.dim {
+                return Text::EMPTY
+                    .with_name(parts[i].name)
+                    .with(" declares a second block named ")
+                    .with_name(one.block)
+                    .with(", of ")
+                    .with_number(other.dim)
+                    .with(" states: that in ")
+                    .with(earlier)
+                    .with_name(parts[j].name)
+                    .with(" has ")
+                    .with_number(one.dim)
+                    .with("; two blocks need two names");
+            }
             return Text::EMPTY
                 .with_name(parts[i].name)
-                .with(" declares a block twice: it is already in ")
-                .with(if parts[j].is_base() { "the base " } else { "" })
-                .with_name(parts[j].name);
+                .with(" declares a block twice: ")
+                .with_name(one.block)
+                .with(" is already in ")
+                .with(earlier)
+                .with_name(parts[j].name)
+                .with(" (two different blocks need two names)");
         }
         j += 1;
     }
     Text::EMPTY
 }
 
+/// The first block of `part` of whose name `other` has one too, and that one.
+const fn shared(part: &Part, other: &Part) -> Option<(Part, Part)> {
+    if !part.known {
+        return None;
+    }
+    if part.parts.is_empty() {
+        return match named(other, part.block) {
+            Some(found) => Some((*part, found)),
+            None => None,
+        };
+    }
+    let mut i = 0;
+    while i < part.parts.len() {
+        let found = shared(&part.parts[i], other);
+        if found.is_some() {
+            return found;
+        }
+        i += 1;
+    }
+    None
+}
+
+/// The block called `name` within a part.
+const fn named(part: &Part, name: &str) -> Option<Part> {
+    if part.parts.is_empty() {
+        return if part.has(name) { Some(*part) } else { None };
+    }
+    let mut i = 0;
+    while i < part.parts.len() {
+        let found = named(&part.parts[i], name);
+        if found.is_some() {
+            return found;
+        }
+        i += 1;
+    }
+    None
+}
+
 /// Whether a part holds a leading block.
 const fn leads(part: &Part, leading: &[Need]) -> bool {
     let mut k = 0;
     while k < leading.len() {
-        if part.set.intersects(leading[k].any_of) {
+        if meets(&[*part], &leading[k]) {
             return true;
         }
         k += 1;
@@ -156,10 +210,10 @@ const fn leads(part: &Part, leading: &[Need]) -> bool {
 const fn precedes(later: &Part, part: &Part, leading: &[Need]) -> bool {
     let mut k = 0;
     while k < leading.len() {
-        if part.set.intersects(leading[k].any_of) {
+        if meets(&[*part], &leading[k]) {
             return false;
         }
-        if later.set.intersects(leading[k].any_of) {
+        if meets(&[*later], &leading[k]) {
             return true;
         }
         k += 1;

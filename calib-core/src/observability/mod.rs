@@ -4,7 +4,9 @@ mod triangle;
 
 pub use triangle::{Decomposition, Triangle};
 
-use crate::{CoreRows, Dynamics, Filter, MeasurementRows, Real, Relaxation, Shape, measurement_rows};
+use crate::{
+    CoreRows, Dynamics, Filter, MeasurementRows, Real, Relaxation, Shape, measurement_rows, relaxations,
+};
 
 /// The C non-trivial rows `[A B]` of the continuous system matrix F; below them stand zeros, or the rates of
 /// parameters that relax.
@@ -62,7 +64,7 @@ impl<F: Filter, T: Real> ObservabilityRows<F, T> {
                 self.rows[m][j] = sum * self.seconds;
             }
             let (row, seconds) = (&mut self.rows[m], self.seconds);
-            F::relaxation(&mut |state, Relaxation { rate, .. }| {
+            relaxations::<F, T>(|state, Relaxation { rate, .. }| {
                 row[state] -= before[state] * rate * seconds;
             });
         }

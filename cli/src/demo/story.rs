@@ -1,14 +1,14 @@
 //! What happens in the demonstration: two runs of a unit, a diagnosis, and navigation before and after.
 
 use calib_core::{Extended, Vector};
-use gap::{CandidateStates, Candidates, Diagnosis, Options};
+use gap::{Candidates, Diagnosis, Options};
 use miette::{Result, miette};
 use rig::scenario::{Path, Population};
 use rig::{Description, DitherMode, Scenario, Simulation, TemperatureProfile, Truth};
 use sinscal::navigation::{Alignment, Drift, FreeInertial, NAUTICAL_MILE};
 use sinscal::{
-    Calibration, ChannelInnovations, Diverged, EffectInfo, Filter, FilterVisitor, Innovations, Parameter,
-    Sample, Setup, Sins36P, Statistics, Strapdown, visit_filter,
+    Block, Calibration, ChannelInnovations, Diverged, EffectInfo, Filter, FilterVisitor, Innovations,
+    Parameter, Sample, Setup, Sins36P, Statistics, Strapdown, visit_filter,
 };
 use study::Plan;
 
@@ -199,7 +199,7 @@ impl Run {
 
 /// The smallest filter with every effect that it may lack: with priors of zero for what is not taken, each of the filters that
 /// are compared.
-type Everything = Extended<Sins36P, Candidates, CandidateStates>;
+type Everything = Extended<Sins36P, Candidates>;
 
 impl Fit {
     /// Calibrates `run` with a filter of the given effects, and navigates on `swing`.

@@ -6,8 +6,7 @@ mod read;
 mod reader;
 
 use nalgebra::{UnitQuaternion, Vector3};
-use sinscal::blocks::set::DITHER;
-use sinscal::{AnyEffect, Filter, InitialAttitude, Site};
+use sinscal::{AnyEffect, Dither, Filter, InitialAttitude, Site, declares};
 
 use crate::environment::TemperaturePlan;
 use crate::motion::{
@@ -293,7 +292,7 @@ impl Scenario {
     pub fn modelled_by<F: Filter>(mut self) -> Self {
         let mut names = Vec::new();
         F::states(&mut |info| names.push(info.block));
-        if F::SET.intersects(DITHER) {
+        if declares::<F, Dither>() {
             names.push("dither-size-effect");
         }
         self.keep_effects(|effect| names.contains(&effect));
