@@ -1,12 +1,10 @@
 //! The effects that are priced against a filter.
 
-use sinscal::prelude::*;
-use sinscal::{EffectInfo, Setup, effect};
+use sinscal::{EffectInfo, FurtherEffects, Setup, effect};
 
-/// Every effect of the catalogue that a filter may do without: 21 effects, 61 states.
+/// Every effect of the catalogue that a filter may do without: one that joins the catalogue is a candidate.
 ///
-/// Only scale factors, installation errors and biases are missing from it: every filter has them. A user's own effect is
-/// priced beside these by a group of both:
+/// A user's own effect is priced beside these by a group of both:
 ///
 /// ```
 /// # use sinscal::prelude::*;
@@ -18,31 +16,7 @@ use sinscal::{EffectInfo, Setup, effect};
 ///     own: MyEffect,
 /// }
 /// ```
-#[derive(Debug, StateBlocks)]
-#[group]
-pub struct Candidates {
-    accel_quadratic: AccelQuadratic,
-    outer_lever_arm: OuterLeverArm,
-    inner_lever_arm: InnerLeverArm,
-    dither_size_effect: DitherSizeEffect,
-    accel_delay: AccelDelay,
-    accel_temperature_scale: AccelTemperatureScale,
-    accel_temperature_bias: AccelTemperatureBias,
-    accel_temperature_rate: AccelTemperatureRate,
-    gyro_temperature_bias: GyroTemperatureBias,
-    gyro_g_sensitivity: GyroGSensitivity,
-    accel_scale_asymmetry: AccelScaleAsymmetry,
-    gyro_scale_asymmetry: GyroScaleAsymmetry,
-    accel_cubic: AccelCubic,
-    accel_cross_coupling: AccelCrossCoupling,
-    gyro_rate_nonlinearity: GyroRateNonlinearity,
-    accel_bias_drift: AccelBiasDrift,
-    gyro_bias_drift: GyroBiasDrift,
-    inner_lever_arm_tangential: InnerLeverArmTangential,
-    reference_delay: ReferenceDelay,
-    reference_misalignment: ReferenceMisalignment,
-    reference_tilt: ReferenceTilt,
-}
+pub type Candidates = FurtherEffects;
 
 /// Factor on the default prior of a candidate that the description of the log does not name: how much larger than its
 /// default the stated prior of its kin is ([`EffectInfo::kin`]).

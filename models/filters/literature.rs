@@ -64,7 +64,8 @@ pub struct GnssIns15 {
 }
 
 macro_rules! markov {
-    ($(#[$doc:meta])* $block:ident: $name:literal, $first:ident, $unit:literal, $sigma:expr, $sheet:literal = $scale:expr) => {
+    (
+        $(#[$doc:meta])* $block:ident: $name:literal, $first:ident, $unit:literal, $sigma:expr, $sheet:literal = $scale:expr) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
         pub struct $block;
@@ -80,13 +81,18 @@ macro_rules! markov {
             type Dynamics = Strapdown;
             type View<'a, T: Real> = BlockView<'a, Self, T>;
 
+            const NAME: &'static str = $name;
             const DIM: usize = 3;
-            const RELAXES: bool = true;
+            const RELAXATIONS: &'static [(usize, Relaxation<f64>)] = &{
+                let rate = 1.0 / Self::CORRELATION;
+                let wanders = Relaxation { rate, density: 2.0 * Self::SIGMA * Self::SIGMA * rate };
+                [(0, wanders), (1, wanders), (2, wanders)]
+            };
 
             fn states(visit: &mut dyn FnMut(StateInfo)) {
                 for component in ["x", "y", "z"] {
                     visit(StateInfo {
-                        block: $name,
+                        block: Self::NAME,
                         component,
                         unit: $unit,
                         prior_sigma: Self::SIGMA,
@@ -100,15 +106,6 @@ macro_rules! markov {
             fn input_jacobian<T: Real>(_: &Signals<T>, put: &mut impl FnMut(usize, usize, T)) {
                 for i in 0..3 {
                     put($first + i, i, T::one());
-                }
-            }
-
-            #[inline(always)]
-            fn relaxation<T: Real>(put: &mut impl FnMut(usize, Relaxation<T>)) {
-                let rate = 1.0 / Self::CORRELATION;
-                let density = 2.0 * Self::SIGMA * Self::SIGMA * rate;
-                for state in 0..3 {
-                    put(state, Relaxation { rate: T::of(rate), density: T::of(density) });
                 }
             }
         }

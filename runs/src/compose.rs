@@ -5,8 +5,8 @@ use std::sync::{Mutex, PoisonError};
 
 use calib_core::Dynamics;
 use sinscal::{
-    AnyBlock, AnyEffect, Attitude, Dither, DitherSizeEffect, InnerLeverArm, OpenBlocks, OpenError, Position, Setup,
-    StateInfo, Strapdown, Velocity,
+    AnyBlock, AnyEffect, Attitude, Dither, DitherSizeEffect, InnerLeverArm, OpenBlocks, OpenError, Position,
+    Setup, StateInfo, Strapdown, Velocity,
 };
 
 use crate::compiled::{Compiled, Selection};
