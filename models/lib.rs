@@ -178,11 +178,12 @@ pub use calibration::{Calibration, Known};
 pub use coarse::{Coarse, CoarseCalibration, CoarseError, CoarseParameter, UnknownPulses};
 pub use compensation::{Compensator, input_errors};
 pub use effects::{
-    AnyBlock, AnyEffect, CATALOGUE, Catalogue, EFFECTS, Effect, EffectInfo, Kind, any_effect, effect,
+    AnyBlock, AnyEffect, CATALOGUE, Catalogue, EFFECTS, Effect, EffectInfo, FurtherEffects, Kind, any_effect,
+    effect,
 };
 pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
-    visit_filter,
+    literature, visit_filter,
 };
 pub use gate::Gate;
 #[cfg(feature = "std")]

@@ -78,7 +78,7 @@ pub struct Point<T: Real> {
     pub lever: Vector3<T>,
     /// Velocity of the observed point over ground in n, m/s.
     pub point_velocity: Vector3<T>,
-    /// Acceleration of the observed point over ground in n, m/s^2.
+    /// Acceleration of the observed point over ground in n, m/s^2; a calibration leaves out `omega' x l` and Coriolis acceleration.
     pub point_acceleration: Vector3<T>,
     /// Position of the observed point from the site origin in n, m.
     pub point_position: Vector3<T>,

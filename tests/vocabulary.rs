@@ -9,9 +9,9 @@ use std::path::Path;
 
 use sinscal::EFFECTS;
 
-/// Blocks that are no effects: the navigation errors that every filter begins with, and the dither, which has no states of its
-/// own; and what blocks are made with.
-const OTHERS: [&str; 7] = ["attitude", "velocity", "position", "dither", "groups", "effect", "mod"];
+/// Blocks that are no effects: the navigation errors that every filter begins with, the dither, which has no states of its
+/// own, and the room for others; and what blocks are made with.
+const OTHERS: [&str; 8] = ["attitude", "velocity", "position", "dither", "open", "groups", "effect", "mod"];
 /// Tables of the dynamics, not of a block.
 const DYNAMICS: &str = "strapdown-";
 

@@ -20,11 +20,7 @@ fn a_delay_is_found_and_added() {
     let hidden = Hidden::Effects(vec!["accel-delay"], 80.0);
     let (d, grade) = diagnose(3, hidden, &Options { rerun: true, ..QUICK });
     assert_eq!(grade, Grade::Right, "{}", d.sentence);
-    assert!(
-        d.verified && d.sentence.starts_with("Missing: accel-delay, d_f = tau (omega x f)"),
-        "{}",
-        d.sentence
-    );
+    assert!(d.verified && d.sentence.starts_with("Missing: accel-delay, d_f = -tau f_b'"), "{}", d.sentence);
     let effect = &d.effects[0];
     assert!((effect.estimate[0].abs() - 80.0 * 3.6e-6).abs() < 5.0 * effect.sigma[0]);
     // the closed loop gains what pricing said, and the gap shrinks on the log that was not used

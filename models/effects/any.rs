@@ -19,7 +19,7 @@ pub trait AnyBlock: Send + Sync {
     fn input_jacobian(&self, signals: &Signals<f64>, put: &mut dyn FnMut(usize, usize, f64));
     /// [`Block::measurement_jacobian`].
     fn measurement_jacobian(&self, at: &Point<f64>, put: &mut dyn FnMut(usize, usize, f64));
-    /// [`Block::relaxation`].
+    /// The states that are not constant: [`Block::RELAXATIONS`].
     fn relaxation(&self, put: &mut dyn FnMut(usize, Relaxation<f64>));
 }
 

@@ -40,6 +40,7 @@ pub struct EffectInfo {
     description: &'static str,
     source: &'static str,
     kin: Option<&'static str>,
+    units: [(&'static str, f64); 2],
     /// Default prior standard deviation of each component, in [`unit`](Self::unit).
     pub prior_sigma: f64,
     /// Unit that data sheets use, for instance `ppm`.
@@ -67,6 +68,7 @@ impl EffectInfo {
             description: "",
             source: "",
             kin: None,
+            units: [(unit, 1.0); 2],
             prior_sigma,
             sheet_unit: unit,
             sheet_scale: 1.0,
@@ -99,6 +101,7 @@ impl EffectInfo {
     /// With the unit of data sheets and the size of one of them in SI.
     #[must_use]
     pub const fn sheet(mut self, unit: &'static str, scale: f64) -> Self {
+        self.units[1] = (unit, scale);
         self.sheet_unit = unit;
         self.sheet_scale = scale;
         self
@@ -130,6 +133,11 @@ impl EffectInfo {
     /// SI unit of its states.
     pub const fn unit(&self) -> &'static str {
         self.unit
+    }
+
+    /// Its SI unit and the unit of sheets, each with its size: what people may write of an effect whose unit nobody else has.
+    pub const fn units(&self) -> &[(&'static str, f64)] {
+        &self.units
     }
 
     /// The model in plain text.

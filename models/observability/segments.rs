@@ -35,6 +35,9 @@ pub struct Segment {
 
 /// Cuts a log into [`Segment`]s, sample by sample.
 ///
+/// Made for a unit that is turned about a place of its own: velocity is zero, the specific force changes in b by turning alone, and
+/// what linear acceleration shows of a delay is not counted.
+///
 /// The attitude is that of the gyros from the initial one on, or the reference's where there is one; sensor errors hardly
 /// matter for where the system is linearised.
 #[derive(Clone, Debug)]

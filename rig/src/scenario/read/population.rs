@@ -22,7 +22,8 @@ pub(super) fn population(r: &mut Reader<'_>, own: &[&'static dyn AnyEffect]) -> 
             r.refuse(&entry, "follows from the dither and the inner lever arms", accepted);
             continue;
         }
-        let units = units::of_parameters(effect.info().unit());
+        let usual = units::of_parameters(effect.info().unit());
+        let units = if usual.is_empty() { effect.info().units() } else { usual };
         let n = effect.dim();
         // beyond this nothing of the signal is left
         let most = ABSURD * effect.info().prior_sigma;

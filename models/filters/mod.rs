@@ -1,7 +1,9 @@
 //! The declared filters: five for a strapdown system with dithered ring laser gyros, two for MEMS units.
 //!
 //! The names of the first five count their states and say whether the dither coupling is in ("B") or not ("P"), as in
-//! table 3 of Xing, Yang and Cai, *Sensors* 22(1):278, 2022 (DOI 10.3390/s22010278).
+//! table 3 of Xing, Yang and Cai, *Sensors* 22(1):278, 2022 (DOI 10.3390/s22010278). Those of other authors stand in [`literature`].
+
+pub mod literature;
 
 use calib_core::{Block, Filter, StateInfo, declares};
 use state_macro::StateBlocks;
