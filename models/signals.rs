@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 ///
 /// All vectors have components along the body axes right, forward, up; accelerometer i and gyro i stand on
 /// axis i. "Error" of a sensor is measured minus true.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Signals<T: Real> {
     /// Angular rate of the body against inertial space, rad/s.
     pub rate: Vector3<T>,
