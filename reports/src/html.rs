@@ -91,8 +91,8 @@ fn cell(cell: &Cell) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draw::{Curve, Figure, Style};
     use crate::Section;
+    use crate::draw::{Curve, Figure, Style};
 
     fn report(text: &str) -> Report {
         let figure = Figure {
