@@ -15,6 +15,7 @@ use reports::{Inputs, Report};
 
 use crate::output::Files;
 use crate::source::{Source, unreadable};
+use crate::vocabulary::vocabulary;
 
 /// What a log's `NAME.truth.json` says, where there is one beside it.
 pub(crate) fn truth_beside(log: &Log) -> Result<Option<rig::Truth>> {
@@ -25,8 +26,8 @@ pub(crate) fn truth_beside(log: &Log) -> Result<Option<rig::Truth>> {
     })?;
     let mut truth = rig::Truth::default();
     for (name, values) in values {
-        if let Some(effect) = sinscal::effect(&name) {
-            truth.insert(effect, values);
+        if let Ok(effect) = vocabulary().effect(&name) {
+            truth.insert(effect.info(), values);
         }
     }
     Ok(Some(truth))

@@ -11,6 +11,7 @@ use sinscal::Sample;
 use crate::origin::Documented as _;
 use crate::output::{self, Files};
 use crate::table::{self, Cells, TableWriter};
+use crate::vocabulary::vocabulary;
 use crate::{say, scenario};
 use reports::Inputs;
 use reports::figures::significant;
@@ -97,7 +98,7 @@ impl Arguments {
 fn page(title: String, verdict: String, truth: &Truth, inputs: &Inputs) -> Report {
     let mut rows = Vec::new();
     for (name, values) in truth.effects() {
-        let Some(effect) = sinscal::effect(name) else { continue };
+        let Ok(effect) = vocabulary().effect(name).map(|effect| effect.info()) else { continue };
         for (component, value) in effect.components().iter().zip(values) {
             let sign = if *value < 0.0 { "-" } else { "" };
             let figure = number(format!("{sign}{}", significant(value.abs() / effect.sheet_scale)));

@@ -199,7 +199,7 @@ fn report(
         next_run,
     };
     if confirmed {
-        effects(first, second, decision, &mut d);
+        effects(machine, first, second, decision, &mut d);
     }
     notes(first, second, open, decision, &mut d);
     if let Some(white) = d.whiteness.filter(|w| w.log10_p_after < COLOURED) {
@@ -215,7 +215,13 @@ fn report(
 }
 
 /// Values as priced; the re-run replaces them.
-fn effects(first: &Scene, second: Option<&Scene>, decision: &Decision, d: &mut Diagnosis) {
+fn effects(
+    machine: &dyn Machine,
+    first: &Scene,
+    second: Option<&Scene>,
+    decision: &Decision,
+    d: &mut Diagnosis,
+) {
     let best = &decision.best.groups;
     let Some((mean, covariance)) = first.prices.posterior(best) else { return };
     let there = second.and_then(|s| {
@@ -231,6 +237,8 @@ fn effects(first: &Scene, second: Option<&Scene>, decision: &Decision, d: &mut D
         let range = at..at + group.members.len();
         at = range.end;
         let others: Vec<usize> = best.iter().copied().filter(|o| o != g).collect();
+        let info = &recording.columns()[columns[range.start]].info;
+        let entry = machine.entry(&group.name);
         d.effects.push(FoundEffect {
             name: group.name.clone(),
             components: range
@@ -240,7 +248,11 @@ fn effects(first: &Scene, second: Option<&Scene>, decision: &Decision, d: &mut D
             estimate: range.clone().map(|k| mean[k]).collect(),
             sigma: range.clone().map(|k| covariance[(k, k)].sqrt()).collect(),
             estimate_verify: there.as_ref().map(|t| range.clone().map(|k| t.0[k]).collect()),
-            unit: recording.columns()[columns[range.start]].info.unit.into(),
+            unit: info.unit.into(),
+            sheet_unit: info.sheet_unit.into(),
+            sheet_scale: info.sheet_scale,
+            equation: entry.map_or(String::new(), |entry| entry.equation().into()),
+            description: entry.map_or(String::new(), |entry| entry.description().into()),
             log_likelihood_gain: first.prices.gain(best) - first.prices.gain(&others),
             log_e_verify: decision.each[i],
         });
@@ -340,6 +352,10 @@ mod tests {
 
         fn has(&self, block: &str) -> bool {
             self.0.has(block)
+        }
+
+        fn entry(&self, effect: &str) -> Option<&'static sinscal::EffectInfo> {
+            self.0.entry(effect)
         }
 
         fn run(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError> {

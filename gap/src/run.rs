@@ -47,6 +47,8 @@ pub(crate) trait Machine: Sync {
     fn base(&self) -> BaseFilter;
     /// Whether the declared filter has a block.
     fn has(&self, block: &str) -> bool;
+    /// What is said of an effect that is priced.
+    fn entry(&self, effect: &str) -> Option<&'static EffectInfo>;
     /// Runs the filter and records a pass with all candidates' columns.
     fn run(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError>;
     /// The same, but it is the filter with the candidates that is run closed loop.
@@ -90,15 +92,11 @@ impl<'a> Runs<'a> {
             let prior = if i < own {
                 sigma
             } else {
-                sigma * size(info.block) * prior_factor(log.setup, self.info(info.block))
+                sigma * size(info.block) * prior_factor(log.setup, self.entry(info.block))
             };
             Column { info, prior, base: i < own, about: 0.0 }
         };
         parameters.into_iter().enumerate().map(column).collect()
-    }
-
-    fn info(&self, block: &str) -> Option<&'static EffectInfo> {
-        self.effects.iter().map(|effect| effect.info()).find(|info| info.name() == block)
     }
 
     /// Runs the base, or the filter with all effects, closed loop on joined samples, then records passes with all effects about
@@ -148,7 +146,11 @@ impl Machine for Runs<'_> {
     }
 
     fn has(&self, block: &str) -> bool {
-        self.info(block).is_none()
+        self.entry(block).is_none()
+    }
+
+    fn entry(&self, effect: &str) -> Option<&'static EffectInfo> {
+        self.effects.iter().map(|effect| effect.info()).find(|info| info.name() == effect)
     }
 
     fn run(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError> {

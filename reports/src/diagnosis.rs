@@ -69,17 +69,16 @@ fn effects(found: &Diagnosis) -> Option<Section> {
     }
     let mut items: Vec<Item> = vec![Table::new("", &head, rows).into()];
     for effect in &found.effects {
-        if let Some(info) = sinscal::effect(&effect.name) {
-            items.push(Item::text(format!("{}: {}", info.name(), info.description())));
-            items.push(Item::Code(info.equation().into()));
+        if !effect.equation.is_empty() {
+            items.push(Item::text(format!("{}: {}", effect.name, effect.description)));
+            items.push(Item::Code(effect.equation.clone()));
         }
     }
     Some(Section::new("What is missing", items))
 }
 
 fn value(effect: &FoundEffect, i: usize, verified: bool) -> Vec<Cell> {
-    let (unit, scale) = sinscal::effect(&effect.name)
-        .map_or((effect.unit.as_str(), 1.0), |info| (info.sheet_unit, info.sheet_scale));
+    let (unit, scale) = (effect.sheet_unit.as_str(), effect.sheet_scale);
     let at = |values: &[f64]| values.get(i).map_or(f64::NAN, |value| value / scale);
     let (estimate, sigma) = (at(&effect.estimate), at(&effect.sigma));
     let digits = decimals(sigma);
@@ -241,18 +240,17 @@ fn declaration(found: &Diagnosis) -> Option<Section> {
 pub fn against_truth(found: &Diagnosis, truth: &dyn Fn(&str, usize) -> f64) -> Section {
     let mut rows = Vec::new();
     for effect in &found.effects {
-        let Some(info) = sinscal::effect(&effect.name) else { continue };
         for (i, component) in effect.components.iter().enumerate() {
             let (estimate, sigma) = (effect.estimate[i], effect.sigma[i]);
-            let true_value = truth(info.name(), i);
+            let true_value = truth(&effect.name, i);
             let error = (estimate - true_value) / sigma;
-            let digits = decimals(sigma / info.sheet_scale);
-            let figure = |value: f64| number(format!("{:.digits$}", value / info.sheet_scale));
+            let digits = decimals(sigma / effect.sheet_scale);
+            let figure = |value: f64| number(format!("{:.digits$}", value / effect.sheet_scale));
             rows.push(vec![
                 text(format!("{} {component}", effect.name)),
                 figure(estimate),
                 figure(true_value),
-                text(info.sheet_unit),
+                text(effect.sheet_unit.clone()),
                 number(format!("{error:+.2}")),
                 Cell::Interval(Interval {
                     prior: (0.5 - NORMAL_95 / 8.0, 0.5 + NORMAL_95 / 8.0),

@@ -83,6 +83,11 @@ impl Vocabulary {
         &self.effects
     }
 
+    /// The effects that were added to those of the library.
+    pub fn own_effects(&self) -> Vec<&'static dyn AnyEffect> {
+        self.effects.iter().copied().filter(|effect| sinscal::any_effect(effect.name()).is_none()).collect()
+    }
+
     /// The effect called `name`.
     ///
     /// # Errors

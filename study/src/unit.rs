@@ -50,6 +50,10 @@ pub struct ParameterResult {
     pub name: String,
     /// Component.
     pub component: String,
+    /// Unit of data sheets.
+    pub sheet_unit: String,
+    /// Size of one of them, SI.
+    pub sheet_scale: f64,
     /// What the unit has.
     pub truth: f64,
     /// What the filter found.
@@ -150,6 +154,8 @@ impl FilterResult {
             .map(|(i, parameter)| ParameterResult {
                 name: parameter.info.block.to_owned(),
                 component: parameter.info.component.to_owned(),
+                sheet_unit: parameter.info.sheet_unit.to_owned(),
+                sheet_scale: parameter.info.sheet_scale,
                 truth: truth.of(&parameter.info),
                 value: parameter.value,
                 sigma: parameter.sigma,

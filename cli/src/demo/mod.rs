@@ -153,8 +153,7 @@ fn largest_error(parameters: &[Parameter], truth: &Truth) -> f64 {
 
 /// Values of an effect in data-sheet units.
 fn values_of(effect: &FoundEffect, values: &[f64], sigmas: Option<&[f64]>) -> String {
-    let (unit, scale) = sinscal::effect(&effect.name)
-        .map_or((effect.unit.as_str(), 1.0), |info| (info.sheet_unit, info.sheet_scale));
+    let (unit, scale) = (&effect.sheet_unit, effect.sheet_scale);
     let value = |i: usize| {
         let digits = decimals(effect.sigma[i] / scale);
         let sigma = sigmas.map_or(String::new(), |s| format!(" +- {:.digits$}", s[i] / scale));

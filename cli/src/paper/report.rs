@@ -221,8 +221,7 @@ fn figures_7_to_14(text: &mut String, findings: &Findings) {
         "parameter", "truth", "estimate", "3 sigma", "unit", "error/sigma"
     );
     for parameter in &full.parameters {
-        let (unit, scale) = sinscal::effect(&parameter.name)
-            .map_or(("", 1.0), |effect| (effect.sheet_unit, effect.sheet_scale));
+        let (unit, scale) = (parameter.sheet_unit.as_str(), parameter.sheet_scale);
         let _ = writeln!(
             text,
             "{:30} {:>12.4} {:>12.4} {:>10} {unit:9}  {:>+11.2}  {:.0} s",
