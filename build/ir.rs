@@ -76,10 +76,11 @@ impl Kind {
 }
 
 /// Vectors along x, y, z that expressions may be read from, and scalars.
-const SIGNAL_VECTORS: [&str; 8] = [
+const SIGNAL_VECTORS: [&str; 9] = [
     "rate",
     "angular_acceleration",
     "force",
+    "force_rate",
     "temperature",
     "temperature_rate",
     "gyro_temperature",

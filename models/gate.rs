@@ -160,9 +160,9 @@ impl<T: Copy + PartialEq> Repeats<T> {
     }
 }
 
-/// The gates of velocity, position and attitude.
+/// How the readings of velocity, position and attitude were spread in a run, and so which are not to be believed in the next one.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Gate {
+pub struct Gate {
     groups: [Group; 3],
     vectors: [Repeats<nalgebra::Vector3<f64>>; 2],
     attitude: Repeats<nalgebra::UnitQuaternion<f64>>,

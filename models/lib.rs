@@ -64,6 +64,7 @@
 //!     reference_temperature: 25.0,
 //!     outer_lever: Vector3::zeros(),
 //!     priors: &[("accel-bias", 5e-3)],
+//!     open: sinscal::OpenBlocks::NONE,
 //! };
 //! let mut run = Calibration::<Sins36P>::new(&setup);
 //! for k in 1..=500 {
@@ -160,8 +161,8 @@ pub use blocks::{
     AccelScale, AccelScaleAsymmetry, AccelTemperatureBias, AccelTemperatureRate, AccelTemperatureScale,
     Attitude, Dither, DitherSizeEffect, GyroBias, GyroBiasDrift, GyroGSensitivity, GyroMisalignment,
     GyroRateNonlinearity, GyroScale, GyroScaleAsymmetry, GyroTemperatureBias, InnerLeverArm,
-    InnerLeverArmTangential, OuterLeverArm, Position, ReferenceDelay, ReferenceMisalignment, ReferenceTilt,
-    Velocity,
+    InnerLeverArmTangential, Open, OpenBlocks, OpenError, OuterLeverArm, Position, ReferenceDelay,
+    ReferenceMisalignment, ReferenceTilt, Velocity,
 };
 #[doc(hidden)]
 pub use calib_core;
@@ -176,11 +177,14 @@ pub use calibration::{Calibration, Known};
 #[cfg(feature = "std")]
 pub use coarse::{Coarse, CoarseCalibration, CoarseError, CoarseParameter, UnknownPulses};
 pub use compensation::{Compensator, input_errors};
-pub use effects::{EFFECTS, Effect, EffectInfo, effect};
+pub use effects::{
+    AnyBlock, AnyEffect, CATALOGUE, Catalogue, EFFECTS, Effect, EffectInfo, Kind, any_effect, effect,
+};
 pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
-    visit_filter,
+    literature, visit_filter,
 };
+pub use gate::Gate;
 #[cfg(feature = "std")]
 pub use innovations::{ChannelInnovations, Innovations};
 pub use observer::{Event, Observer, Refusal};

@@ -2,6 +2,8 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::OpenBlocks;
+
 /// One IMU sample at the end of its sampling interval, with the reference where there is one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
@@ -53,6 +55,8 @@ pub struct Setup<'a> {
     pub outer_lever: Vector3<f64>,
     /// Prior standard deviations that replace a block's default, by block name, SI.
     pub priors: &'a [(&'a str, f64)],
+    /// What joins a filter with the block [`Open`](crate::Open).
+    pub open: OpenBlocks,
 }
 
 /// The origin of the local frame.

@@ -33,6 +33,7 @@ impl Navigation {
             reference_temperature: 25.0,
             outer_lever: Vector3::zeros(),
             priors: &[],
+            open: sinscal::OpenBlocks::NONE,
         };
         let mut run = Box::new(Calibration::new(&setup));
         // errors as large as those of a unit, so that compensation has something to do

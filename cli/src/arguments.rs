@@ -1,16 +1,19 @@
 //! Arguments that several subcommands have in common.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use miette::Result;
 use rig::Scenario;
-use sinscal::{FILTERS, FilterInfo};
+use runs::AnyFilter;
 
-use crate::log::{ColumnMap, Log};
+use crate::compose::Change;
 use crate::output::Target;
+use crate::vocabulary::vocabulary;
 use crate::{say, scenario};
+use logs::{ColumnMap, Log};
 
 /// What is worked on.
 #[derive(Args)]
@@ -18,13 +21,40 @@ pub(crate) struct LogArgument {
     /// The log: path of its table or description, with or without ending
     pub(crate) log: PathBuf,
     #[command(flatten)]
-    pub(crate) columns: ColumnMap,
+    pub(crate) columns: Columns,
+}
+
+/// Which variables of a file are the columns of the log format
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct Columns {
+    /// Names and units of the columns in a file that others wrote, such as gyro=wm,accel=acc:m/s^2,time=t
+    ///
+    /// Left stands a column of the log format (dtheta_x) or all of a kind: time, gyro, accel, gyro_pulse, accel_pulse, temp,
+    /// temp_gyro, dither, ref_vel, ref_pos, ref_quat. Right stands the file's variable, and after it, where needed, its columns,
+    /// counted from 0, and its unit; a minus before it turns the sign. What holds rates (deg/s, rad/s, g, m/s^2) becomes
+    /// increments by the time between rows. The same map serves every log of the command. Not needed for the names of the format,
+    /// nor for the seven columns [wm vm t] of PSINS in a MATLAB, NumPy or HDF5 file.
+    ///
+    ///   --map gyro=wm,accel=vm,time=t           three arrays
+    ///   --map gyro=imu[0:3],accel=imu[3:6]:g    columns of one array, forces in g
+    ///   --map gyro=w:deg/s,time=t:ms            columns w_x, w_y, w_z (or wx, w.x ...) of a table
+    ///   --map ref_quat=q[3,0,1,2]               the scalar comes last in the file
+    ///   --map dtheta_x=w[1],dtheta_y=w[0],dtheta_z=-w[2]    from forward-right-down
+    #[arg(long = "map", value_name = "NAME=VARIABLE,...", verbatim_doc_comment)]
+    maps: Vec<ColumnMap>,
+}
+
+impl Columns {
+    /// All that was given.
+    pub(crate) fn map(&self) -> ColumnMap {
+        self.maps.iter().cloned().collect()
+    }
 }
 
 impl LogArgument {
     /// Opens it.
     pub(crate) fn open(&self) -> Result<Log> {
-        open(&self.log, &self.columns)
+        open(&self.log, &self.columns.map())
     }
 }
 
@@ -46,16 +76,22 @@ pub(crate) fn tell(log: &Log) {
 pub(crate) struct FilterArgument {
     /// The filter; `sinscal filters` describes them
     #[arg(long, value_name = "NAME", ignore_case = true, value_parser = filter())]
-    pub(crate) filter: &'static FilterInfo,
+    filter: Arc<dyn AnyFilter>,
+    #[command(flatten)]
+    change: Change,
+}
+
+impl FilterArgument {
+    /// The filter with what was added to it.
+    pub(crate) fn filter(&self) -> Result<Arc<dyn AnyFilter>> {
+        self.change.of(&self.filter)
+    }
 }
 
 /// Finds a filter by its name, without regard to case.
-pub(crate) fn filter() -> impl TypedValueParser<Value = &'static FilterInfo> {
-    let names = FILTERS.iter().map(|filter| filter.name);
-    PossibleValuesParser::new(names).try_map(|name| {
-        let found = FILTERS.iter().find(|filter| filter.name.eq_ignore_ascii_case(&name));
-        found.ok_or_else(|| format!("there is no filter called {name}"))
-    })
+pub(crate) fn filter() -> impl TypedValueParser<Value = Arc<dyn AnyFilter>> {
+    let names = vocabulary().filters().map(|filter| filter.name());
+    PossibleValuesParser::new(names).try_map(|name| vocabulary().filter(&name))
 }
 
 /// Where results go.

@@ -3,7 +3,7 @@
 use miette::{Result, miette};
 use sinscal::{Aligner, Coarse, InitialAttitude, Setup};
 
-use crate::log::Log;
+use logs::Log;
 
 /// The setup of a run over `log` that begins at `initial`.
 pub(crate) fn of(log: &Log, initial: InitialAttitude) -> Setup<'_> {
@@ -18,6 +18,7 @@ pub(crate) fn of(log: &Log, initial: InitialAttitude) -> Setup<'_> {
         reference_temperature: description.reference_temperature,
         outer_lever: description.outer_lever,
         priors: &description.priors,
+        open: sinscal::OpenBlocks::NONE,
     }
 }
 

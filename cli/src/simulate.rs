@@ -8,12 +8,13 @@ use miette::{Result, miette};
 use rig::{DEFAULT_SCENARIO, Description, Simulation, Truth};
 use sinscal::Sample;
 
-use crate::figures::significant;
+use crate::origin::Documented as _;
 use crate::output::{self, Files};
-use crate::report::inputs::Inputs;
-use crate::report::{Report, Section, Table, Tone, number, text};
 use crate::table::{self, Cells, TableWriter};
 use crate::{say, scenario};
+use reports::Inputs;
+use reports::figures::significant;
+use reports::{Report, Section, Table, Tone, number, text};
 
 /// Rows per piece of the written table.
 const ROWS: usize = 32_768;

@@ -1,8 +1,8 @@
 //! What is diagnosed: samples that can be read again and again, and what one look at them tells.
 
-use core::ops::ControlFlow;
 use std::hash::{DefaultHasher, Hasher};
 
+use runs::{ReadError, Samples, each};
 use sinscal::{Reference, Sample, Setup};
 
 /// A reference that stays within so many of its standard deviations does not move.
@@ -13,27 +13,6 @@ const MOST_UPDATES: f64 = 10_000.0;
 const JOINED_TIME: f64 = 0.5;
 /// ...and this angle, rad: what is between them is then as good as straight.
 const JOINED_ANGLE: f64 = 0.02;
-
-/// Why samples could not be read.
-pub type ReadError = Box<dyn std::error::Error + Send + Sync>;
-
-/// Samples in the order of time, which can be read from the first one on any number of times: a diagnosis goes over them half a
-/// dozen times and does not keep them.
-pub trait Samples: Sync {
-    /// Gives each sample to `visit`, until that breaks off.
-    ///
-    /// # Errors
-    /// When a sample cannot be read.
-    fn read(&self, visit: &mut dyn FnMut(&Sample) -> ControlFlow<()>) -> Result<(), ReadError>;
-}
-
-impl Samples for Vec<Sample> {
-    fn read(&self, visit: &mut dyn FnMut(&Sample) -> ControlFlow<()>) -> Result<(), ReadError> {
-        // whoever breaks off knows why
-        let _ = self.iter().try_for_each(visit);
-        Ok(())
-    }
-}
 
 /// A log to be diagnosed: its samples, and the description that goes with them.
 #[derive(Clone, Copy)]
@@ -48,17 +27,9 @@ impl Log<'_> {
     /// Gives each sample to `work`, until there is an error.
     pub(crate) fn try_each<E: From<ReadError>>(
         &self,
-        mut work: impl FnMut(&Sample) -> Result<(), E>,
+        work: impl FnMut(&Sample) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut fault = None;
-        self.samples.read(&mut |sample| match work(sample) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => {
-                fault = Some(error);
-                ControlFlow::Break(())
-            }
-        })?;
-        fault.map_or(Ok(()), Err)
+        each(self.samples, work)
     }
 
     /// The same with samples as a unit of a slower rate would have given them: increments are sums, and what is read now and then

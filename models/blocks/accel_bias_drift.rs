@@ -13,5 +13,6 @@ effect! {
         needs: &[needs::ACCEL_BIAS],
         prior: 3e-7,
         sheet: "ug/h" = MICRO_G / HOUR,
+        kin: "accel-bias",
     }
 }

@@ -13,5 +13,6 @@ effect! {
         needs: &[needs::ACCELEROMETER],
         prior: 2e-5,
         sheet: "ug/g^2" = PPM / GRAVITY,
+        kin: "accel-scale",
     }
 }

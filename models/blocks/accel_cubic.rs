@@ -14,5 +14,6 @@ effect! {
         needs: &[needs::ACCELEROMETER],
         prior: 2e-6,
         sheet: "ug/g^3" = PPM / (GRAVITY * GRAVITY),
+        kin: "accel-scale",
     }
 }

@@ -14,5 +14,6 @@ effect! {
         needs: &[needs::ACCELEROMETER],
         prior: 1e-4,
         sheet: "ppm" = PPM,
+        kin: "accel-scale",
     }
 }

@@ -13,5 +13,6 @@ effect! {
         needs: &[needs::ACCELEROMETER],
         prior: 1e-4,
         sheet: "ug/K" = MICRO_G,
+        kin: "accel-bias",
     }
 }

@@ -13,5 +13,6 @@ effect! {
         needs: &[needs::ACCELEROMETER],
         prior: 0.05,
         sheet: "ug/(K/min)" = 60.0 * MICRO_G,
+        kin: "accel-bias",
     }
 }

@@ -16,5 +16,6 @@ effect! {
         needs: &[needs::ACCELEROMETER],
         prior: 5e-5,
         sheet: "ppm/K" = PPM,
+        kin: "accel-scale",
     }
 }

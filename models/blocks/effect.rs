@@ -3,7 +3,7 @@
 ///
 /// `table` is the module of [`tables`](crate::tables) that knows names, unit and Jacobian; `jacobian` is
 /// `input` for an error of the sensors and `measurement` for one of the reference; `sheet` is the unit of
-/// data sheets and its size in SI.
+/// data sheets and its size in SI; `kin` is the effect that its size goes with, if there is one.
 macro_rules! effect {
     (
         $(#[$doc:meta])*
@@ -13,6 +13,7 @@ macro_rules! effect {
             needs: $needs:expr,
             prior: $prior:expr,
             sheet: $unit:literal = $scale:expr,
+            $(kin: $kin:literal,)?
         }
     ) => {
         $(#[$doc])*
@@ -39,12 +40,10 @@ macro_rules! effect {
         }
 
         impl $crate::Effect for $name {
-            const EFFECT: $crate::EffectInfo = $crate::EffectInfo {
-                table: $crate::tables::$table::TABLE,
-                prior_sigma: $prior,
-                sheet_unit: $unit,
-                sheet_scale: $scale,
-            };
+            const EFFECT: $crate::EffectInfo =
+                $crate::EffectInfo::tabled(&$crate::tables::$table::TABLE, $prior)
+                    .sheet($unit, $scale)
+                    $(.akin_to($kin))?;
         }
     };
     (@jacobian input $table:ident) => {

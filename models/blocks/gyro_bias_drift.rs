@@ -12,5 +12,6 @@ effect! {
         needs: &[],
         prior: 0.05 * DEG_PER_HOUR / HOUR,
         sheet: "deg/h/h" = DEG_PER_HOUR / HOUR,
+        kin: "gyro-bias",
     }
 }

@@ -12,5 +12,6 @@ effect! {
         needs: &[],
         prior: 0.5 * DEG_PER_HOUR / GRAVITY,
         sheet: "deg/h/g" = DEG_PER_HOUR / GRAVITY,
+        kin: "gyro-bias",
     }
 }

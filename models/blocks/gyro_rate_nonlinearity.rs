@@ -13,5 +13,6 @@ effect! {
         needs: &[],
         prior: 3e-4,
         sheet: "ppm/(deg/s)" = PPM / DEGREE,
+        kin: "gyro-scale",
     }
 }

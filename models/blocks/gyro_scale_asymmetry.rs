@@ -13,5 +13,6 @@ effect! {
         needs: &[],
         prior: 3e-5,
         sheet: "ppm" = PPM,
+        kin: "gyro-scale",
     }
 }

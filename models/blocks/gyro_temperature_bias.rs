@@ -12,5 +12,6 @@ effect! {
         needs: &[],
         prior: 0.05 * DEG_PER_HOUR,
         sheet: "deg/h/K" = DEG_PER_HOUR,
+        kin: "gyro-bias",
     }
 }

@@ -32,6 +32,7 @@ mod gyro_scale_asymmetry;
 mod gyro_temperature_bias;
 mod inner_lever_arm;
 mod inner_lever_arm_tangential;
+mod open;
 mod outer_lever_arm;
 mod position;
 mod reference_delay;
@@ -64,6 +65,7 @@ pub use gyro_scale_asymmetry::GyroScaleAsymmetry;
 pub use gyro_temperature_bias::GyroTemperatureBias;
 pub use inner_lever_arm::InnerLeverArm;
 pub use inner_lever_arm_tangential::InnerLeverArmTangential;
+pub use open::{Open, OpenBlocks, OpenError};
 pub use outer_lever_arm::OuterLeverArm;
 pub use position::Position;
 pub use reference_delay::ReferenceDelay;
@@ -90,16 +92,16 @@ mod needs {
 }
 
 /// Units of data sheets in SI.
-mod units {
+pub(crate) mod units {
     use core::f64::consts::PI;
 
-    pub(super) const MILLI: f64 = 1e-3;
-    pub(super) const PPM: f64 = 1e-6;
-    pub(super) const HOUR: f64 = 3600.0;
-    pub(super) const DEGREE: f64 = PI / 180.0;
-    pub(super) const ARCSEC: f64 = DEGREE / 3600.0;
-    pub(super) const DEG_PER_HOUR: f64 = DEGREE / HOUR;
+    pub(crate) const MILLI: f64 = 1e-3;
+    pub(crate) const PPM: f64 = 1e-6;
+    pub(crate) const HOUR: f64 = 3600.0;
+    pub(crate) const DEGREE: f64 = PI / 180.0;
+    pub(crate) const ARCSEC: f64 = DEGREE / 3600.0;
+    pub(crate) const DEG_PER_HOUR: f64 = DEGREE / HOUR;
     /// Standard gravity, m/s^2.
-    pub(super) const GRAVITY: f64 = 9.80665;
-    pub(super) const MICRO_G: f64 = 1e-6 * GRAVITY;
+    pub(crate) const GRAVITY: f64 = 9.80665;
+    pub(crate) const MICRO_G: f64 = 1e-6 * GRAVITY;
 }

@@ -16,7 +16,9 @@ use crate::compensation::Compensator;
 use crate::gate::Gate;
 use crate::outcome::{Diverged, Statistics, Update};
 use crate::strapdown::{Before, Increments, NavigationState};
-use crate::{Event, Observer, OuterLeverArm, Point, Sample, Setup, Signals, Strapdown, earth, probe};
+use crate::{
+    Event, Observer, OpenBlocks, OuterLeverArm, Point, Sample, Setup, Signals, Strapdown, earth, probe,
+};
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
 const STEP_ANGLE: f64 = 0.02;
@@ -72,6 +74,7 @@ struct Scalars {
     update_rate: f64,
     reference_temperature: f64,
     outer_lever: Vector3<f64>,
+    open: OpenBlocks,
 }
 
 /// What the samples since the last step of the leading dynamics add up to.
@@ -104,9 +107,11 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         if let Err(fault) = probe::<F>() {
             panic!("{fault}");
         }
-        let mut prior = Kalman::<F, f64, C>::prior();
+        let blocks = setup.open;
+        let mut prior = F::Shape::vector(0.0);
         let mut i = 0;
-        F::states(&mut |info| {
+        blocks.states_of::<F>(&mut |info| {
+            prior[i] = info.prior_sigma;
             if let Some((_, sigma)) = setup.priors.iter().find(|(name, _)| *name == info.block) {
                 prior[i] = *sigma;
             }
@@ -143,6 +148,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             update_rate: setup.update_rate,
             reference_temperature: setup.reference_temperature,
             outer_lever: setup.outer_lever,
+            open: blocks,
         };
         Self {
             kalman: Kalman::new(&prior),
@@ -152,7 +158,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             prior,
             lever_at: first_state::<F, OuterLeverArm>(),
             pilot: None,
-            compensator: Compensator::new(setup.reference_temperature),
+            compensator: Compensator::new(setup.reference_temperature).with_open(blocks),
             navigation: NavigationState::at_rest(&setup.site, setup.initial.attitude),
             before: Before::nothing(),
             previous_rate: Vector3::zeros(),
@@ -183,7 +189,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         }
         self.pilot = Some(Kalman::new(&self.prior));
         self.transition.reset();
-        self.compensator = Compensator::new(self.setup.reference_temperature);
+        self.compensator = Compensator::new(self.setup.reference_temperature).with_open(self.setup.open);
         self.navigation = NavigationState::at_rest(&self.setup.site, self.setup.initial.attitude);
         self.before = Before::nothing();
         self.time = None;
@@ -204,6 +210,16 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             self.kalman.x_mut()[i] = 0.0;
         }
         self.pilot = None;
+    }
+
+    /// How the readings of the reference were spread so far.
+    pub fn gate(&self) -> Gate {
+        self.gate
+    }
+
+    /// Judges the reference in the next pass by how its readings were spread in one of another filter over the same log.
+    pub fn judge_as(&mut self, gate: Gate) {
+        self.gate = gate;
     }
 
     /// Judges the reference in the next pass by how its readings were spread in one of another filter over the same log.
@@ -373,6 +389,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
                 - Vector3::z() * earth::gravity(navigation.latitude, navigation.height)
                 + c_bn * rate_eb.cross(&rate_eb.cross(&lever)),
             point_position: position + c_bn * lever,
+            open: self.setup.open,
         }
     }
 }

@@ -133,7 +133,7 @@ impl<F: Filter<Dynamics = Strapdown>> FreeInertial<F> {
             parameters: parameters.clone(),
             site: setup.site,
             lever,
-            compensator: Compensator::new(setup.reference_temperature),
+            compensator: Compensator::new(setup.reference_temperature).with_open(setup.open),
             navigation: NavigationState::at_rest(&setup.site, setup.initial.attitude),
             before: Before::nothing(),
             nominal: 1.0 / setup.rate,

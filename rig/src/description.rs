@@ -64,6 +64,7 @@ impl Description {
             reference_temperature: self.reference_temperature,
             outer_lever: self.outer_lever,
             priors,
+            open: sinscal::OpenBlocks::NONE,
         }
     }
 

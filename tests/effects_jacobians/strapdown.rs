@@ -238,19 +238,7 @@ fn single_precision_is_enough() {
     let mut random = Random::new(15);
     for _ in 0..POINTS {
         let at = Point::random(&mut random);
-        let single = Point::<f32> {
-            c_bn: at.c_bn.cast(),
-            velocity: at.velocity.cast(),
-            latitude: at.latitude as f32,
-            height: at.height as f32,
-            position: at.position.cast(),
-            force_n: at.force_n.cast(),
-            rate_eb: at.rate_eb.cast(),
-            lever: at.lever.cast(),
-            point_velocity: at.point_velocity.cast(),
-            point_acceleration: at.point_acceleration.cast(),
-            point_position: at.point_position.cast(),
-        };
+        let single = at.map(|number| number as f32);
         let mut found = DMatrix::<f64>::zeros(9, 9);
         Strapdown::core_jacobian(&single, &mut |row, column, value| {
             found[(row, column)] = f64::from(value);

@@ -1,12 +1,13 @@
 //! The report of a campaign.
 
+use crate::origin::Documented as _;
 use sinscal::navigation::NAUTICAL_MILE;
 use study::{FilterSummary, Summary, UnitResult};
 
 use super::text::verdict;
-use crate::draw::{Curve, Figure, Style};
-use crate::figures::significant;
-use crate::report::{Cell, Interval, Report, Section, Table, Tone, number, text};
+use reports::figures::significant;
+use reports::{Cell, Interval, Report, Section, Table, Tone, number, text};
+use reports::{Curve, Figure, Style};
 
 /// Everything that many units say together, in the order a reviewer reads.
 pub(super) fn report(summary: &Summary, results: &[UnitResult]) -> Report {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use sinscal::navigation::NAUTICAL_MILE;
 use study::{FilterSummary, Summary};
 
-use crate::figures::significant;
+use reports::figures::significant;
 
 /// What the campaign says, in one line.
 pub(crate) fn verdict(summary: &Summary) -> String {

@@ -9,8 +9,10 @@ use sinscal::path::{EIGHTEEN_ROTATIONS, attitude};
 use study::{FilterSummary, Summary};
 
 use super::Findings;
-use crate::observe::analysis::{Analysis, SPANS};
-use crate::{campaign, figures::significant, observe};
+use reports::figures::significant;
+
+use crate::{campaign, observe};
+use runs::{Analysis, SPANS};
 
 /// Largest horizontal errors that the paper prints, nmi.
 const PRINTED: [Option<f64>; 5] = [Some(18.7), None, None, None, Some(11.2)];
@@ -207,11 +209,11 @@ fn figure_5(text: &mut String, findings: &Findings) {
 }
 
 fn figures_7_to_14(text: &mut String, findings: &Findings) {
-    let Some(full) = findings.first.filters.last() else { return };
+    let Some(full) = findings.first.result.filters.last() else { return };
     let _ = writeln!(
         text,
         "\nFigs. 7 to 14, parameters of unit {} by {} (over time: figure-07 to figure-14 of --out)",
-        findings.first.unit, full.filter
+        findings.first.result.unit, full.filter
     );
     let _ = writeln!(
         text,

@@ -50,6 +50,7 @@ fn run() -> i32 {
         reference_temperature: 25.0,
         outer_lever: Vector3::zeros(),
         priors: &[("accel-bias", 0.05), ("outer-lever-arm", 1e-3)],
+        open: sinscal::OpenBlocks::NONE,
     };
     let mut run = Calibration::<Unit>::new(&setup);
     for k in 1..=3000 {

@@ -6,7 +6,7 @@ mod read;
 mod reader;
 
 use nalgebra::{UnitQuaternion, Vector3};
-use sinscal::{Dither, EffectInfo, Filter, InitialAttitude, Site, declares};
+use sinscal::{AnyEffect, Dither, Filter, InitialAttitude, Site, declares};
 
 use crate::environment::TemperaturePlan;
 use crate::motion::{
@@ -202,7 +202,7 @@ pub struct DitherPlan {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Population {
     /// Which effect.
-    pub effect: &'static EffectInfo,
+    pub effect: &'static dyn AnyEffect,
     /// Mean of each component, SI.
     pub mean: Vec<f64>,
     /// Standard deviation of each component, SI.
@@ -222,7 +222,15 @@ impl Scenario {
     /// # Errors
     /// With everything that is wrong, each with its field, its line and what is accepted.
     pub fn parse(text: &str) -> Result<Self, ScenarioError> {
-        read::parse(text)
+        Self::parse_with(text, &[])
+    }
+
+    /// [`parse`](Self::parse) for a text whose populations may name effects of one's own beside those of the catalogue.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn parse_with(text: &str, own: &[&'static dyn AnyEffect]) -> Result<Self, ScenarioError> {
+        read::parse(text, own)
     }
 
     /// The same at another sampling rate, Hz: what `--rate` means.
@@ -298,7 +306,7 @@ impl Scenario {
             let mut stream = Stream::new(seed, &format!("population/{}", population.effect.name()));
             let draw = |(mean, sigma): (&f64, &f64)| mean + sigma * stream.normal();
             let values = population.mean.iter().zip(&population.sigma).map(draw).collect();
-            truth.insert(population.effect, values);
+            truth.insert(population.effect.info(), values);
         }
         if self.dither.mode != DitherMode::Off {
             let arms = truth.effects().get("inner-lever-arm").cloned();

@@ -5,8 +5,8 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::fault::Fault;
-use crate::suggest;
-use crate::units::{self, Units};
+use logs::suggest;
+use logs::units::{self, Units};
 
 /// A scenario being read.
 pub(super) struct Reader<'t> {

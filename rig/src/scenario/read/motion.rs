@@ -5,7 +5,7 @@ use crate::motion::{Axis, Imperfections, Turn, Vibration};
 use crate::scenario::fault::Fault;
 use crate::scenario::reader::{Entry, Must, Reader, as_table};
 use crate::scenario::{MotionPlan, Path};
-use crate::units;
+use logs::units;
 
 pub(super) fn motion(r: &mut Reader<'_>) -> Option<MotionPlan> {
     const KEYS: [&str; 12] = [

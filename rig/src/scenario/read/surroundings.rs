@@ -5,7 +5,7 @@ use crate::environment::{TemperaturePlan, TemperatureProfile};
 use crate::scenario::fault::Fault;
 use crate::scenario::reader::{Entry, Must, Reader};
 use crate::scenario::{DitherMode, DitherPlan};
-use crate::units;
+use logs::units;
 
 const TEMPERATURES: Must = Must::LieWithin(-80.0, 150.0);
 

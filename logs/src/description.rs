@@ -1,0 +1,342 @@
+//! The description beside a table, `NAME.toml`: what was recorded where, and how good it is.
+//!
+//! `[imu]` and `[site]` must be there. Every other table may be missing:
+//!
+//! | table | without it |
+//! |---|---|
+//! | `[initial]` | the library aligns on the first still stretch |
+//! | `[reference]` | 0.001 m/s, 0.002 m, 0.01 deg; a warning when the table of samples has reference columns |
+//! | `[noise]` | 0.001 deg/sqrt(h), 5 ug/sqrt(Hz), with a warning |
+//! | `[temperature]` | 25 degC |
+//! | `[outer_lever]` | zero |
+//! | `[prior]` | the priors of the blocks |
+//!
+//! A table that is there is complete, except `[reference]`: a figure in it may be left out where nothing
+//! of the kind was measured.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::{suggest, units};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use sinscal::{EffectInfo, InitialAttitude, ReferenceSigma, SensorNoise, Site};
+use toml::de::{DeTable, DeValue};
+
+use super::fault::LogError;
+use super::fields::{self, Document, Must, Section};
+
+/// Descriptions are small; what is larger is some other file.
+const LARGEST: u64 = 1 << 20;
+
+/// A quaternion's norm may differ from 1 by this much; it is normalised then.
+pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
+/// Sensors lie within this many degC, and so do their reference temperatures.
+pub(super) const TEMPERATURES: (f64, f64) = (-80.0, 150.0);
+
+/// Sigmas of a reading that a filter can compute with, and beyond which nothing is measured: m/s, m, deg.
+const SIGMAS: [(f64, f64); 3] = [(1e-9, 1e3), (1e-9, 1e6), (1e-9, 180.0)];
+/// Random walks, from far below any sensor to far above: deg/sqrt(h), ug/sqrt(Hz).
+const WALKS: [(f64, f64); 2] = [(1e-9, 1e4), (1e-6, 1e7)];
+/// Priors in SI units that a filter can compute with.
+const PRIORS: (f64, f64) = (1e-15, 1e6);
+
+/// What a line of a description may be.
+const TOML: &str = "a line is [TABLE] or NAME = VALUE; numbers have a point, no unit and no quotes (32.06), lists brackets ([1.0, \
+                    0.0]), names of units straight quotes (\"ug\"); remarks begin with #";
+
+const IMU: &[&str] = &["rate_hz", "gyro_rad_per_pulse", "accel_m_s_per_pulse"];
+const SITE: &[&str] = &["latitude_deg", "longitude_deg", "height_m"];
+const INITIAL: &[&str] = &["quaternion_wxyz", "level_sigma_deg", "heading_sigma_deg"];
+const REFERENCE: &[&str] = &["velocity_sigma_m_s", "position_sigma_m", "attitude_sigma_deg"];
+const NOISE: &[&str] = &["gyro_arw_deg_sqrt_h", "accel_vrw_ug_sqrt_hz"];
+const SECTIONS: &[&str] =
+    &["imu", "site", "initial", "reference", "noise", "temperature", "outer_lever", "prior"];
+
+/// A checked description, in SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Description {
+    /// Nominal sampling rate, Hz.
+    pub rate: f64,
+    /// Angle per gyro pulse, rad.
+    pub gyro_pulse: Option<Vector3<f64>>,
+    /// Velocity per accelerometer pulse, m/s.
+    pub accel_pulse: Option<Vector3<f64>>,
+    /// Where it was taken.
+    pub site: Site,
+    /// `None`: to be found from the first still stretch.
+    pub initial: Option<InitialAttitude>,
+    /// Standard deviations of one reading of the reference.
+    pub reference: ReferenceSigma,
+    /// Which of velocity, position and attitude sigma the file itself gives.
+    pub(super) reference_given: [bool; 3],
+    /// Random walks of the sensors.
+    pub noise: SensorNoise,
+    pub(super) noise_given: bool,
+    /// degC.
+    pub reference_temperature: f64,
+    /// m, body frame.
+    pub outer_lever: Vector3<f64>,
+    /// Standard deviations by effect, SI.
+    pub priors: Vec<(&'static str, f64)>,
+}
+
+/// Angle random walk that separates gyros that feel the Earth's rate from others, rad/sqrt(s).
+const NAVIGATION_WALK: f64 = 0.1 * units::DEG_PER_SQRT_HOUR;
+
+impl Description {
+    /// Whether the gyros are good enough to feel the Earth's rate.
+    pub(super) fn is_navigation_grade(&self) -> bool {
+        self.noise.angle_random_walk < NAVIGATION_WALK
+    }
+
+    /// Prior standard deviation of an effect: the one given, or that of its block; SI.
+    pub fn prior(&self, effect: &str) -> f64 {
+        let given = self.priors.iter().find(|(name, _)| *name == effect).map(|(_, sigma)| *sigma);
+        given.or_else(|| sinscal::effect(effect).map(|effect| effect.prior_sigma)).unwrap_or(f64::INFINITY)
+    }
+
+    /// Reads and checks `path`, reporting every fault at once.
+    pub(super) fn read(path: &Path) -> Result<Self, LogError> {
+        let mut bytes = Vec::new();
+        File::open(path)
+            .and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
+            .map_err(|error| super::unreadable(path, &error))?;
+        if bytes.len() as u64 > LARGEST {
+            return Err(LogError::file(path, "is larger than 1 MiB: this is not the description of a log"));
+        }
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let line = 1 + error
+                .as_bytes()
+                .iter()
+                .take(error.utf8_error().valid_up_to())
+                .filter(|b| **b == b'\n')
+                .count();
+            LogError::file(path, format!("line {line} is not UTF-8 text: this is not a TOML description"))
+                .help("save it as UTF-8")
+        })?;
+        Self::parse(path, text.into())
+    }
+
+    fn parse(path: &Path, text: Arc<str>) -> Result<Self, LogError> {
+        let root = match DeTable::parse(&text) {
+            Ok(root) => root,
+            Err(error) => {
+                let problem = format!("is not valid TOML: {}", error.message());
+                return Err(LogError::text(path, &text, error.span(), None, problem).help(TOML));
+            }
+        };
+        let root = root.get_ref();
+        let mut document = Document::new(path, Arc::clone(&text));
+        let doc = &mut document;
+        doc.only(root, "", SECTIONS);
+
+        let imu = doc.section(root, "imu", Some(IMU));
+        let rate = match imu {
+            Some(imu) => {
+                doc.required(imu, "rate_hz", Must::BePositiveUpTo(1e5), "the sampling rate of the table, Hz")
+            }
+            None => {
+                if !root.contains_key("imu") {
+                    doc.lack(
+                        None,
+                        "imu.rate_hz",
+                        "give the sampling rate of the table: [imu] rate_hz = 50.0",
+                    );
+                }
+                None
+            }
+        };
+        let mut pulse = |key| Some(Vector3::from(doc.list::<3>(imu?, key, Must::BeNonZero)?));
+        let gyro_pulse = pulse("gyro_rad_per_pulse");
+        let accel_pulse = pulse("accel_m_s_per_pulse");
+
+        let site = read_site(doc, root);
+        let initial = doc.section(root, "initial", Some(INITIAL)).map(|section| read_initial(doc, section));
+
+        let section = doc.section(root, "reference", Some(REFERENCE));
+        let mut sigma = |i: usize| {
+            let (least, most) = SIGMAS[i];
+            doc.optional(section?, REFERENCE[i], Must::LieWithin(least, most))
+        };
+        let given = [sigma(0), sigma(1), sigma(2)];
+        let reference = ReferenceSigma {
+            velocity: given[0].unwrap_or(0.001),
+            position: given[1].unwrap_or(0.002),
+            attitude: given[2].unwrap_or(0.01) * units::DEGREE,
+        };
+
+        let noise = doc.section(root, "noise", Some(NOISE)).map(|section| {
+            let mut walk = |i: usize| {
+                let (least, most) = WALKS[i];
+                let help = "a figure of the data sheet; it belongs to [noise]";
+                doc.required(section, NOISE[i], Must::LieWithin(least, most), help)
+            };
+            (walk(0), walk(1))
+        });
+        let noise_given = noise.is_some();
+        let (angle, velocity) = noise.unwrap_or((Some(0.001), Some(5.0)));
+
+        let reference_temperature = match doc.section(root, "temperature", Some(&["reference_c"])) {
+            Some(section) => {
+                let within = Must::LieWithin(TEMPERATURES.0, TEMPERATURES.1);
+                doc.required(section, "reference_c", within, "where temperature effects vanish, degC")
+            }
+            None => Some(25.0),
+        };
+        let outer_lever = match doc.section(root, "outer_lever", Some(&["xyz_m"])) {
+            Some(section) => {
+                if !section.table().contains_key("xyz_m") {
+                    doc.lack(
+                        Some(section),
+                        "outer_lever.xyz_m",
+                        "xyz_m = [0.0, 0.0, 0.0] when nothing is known",
+                    );
+                }
+                doc.list::<3>(section, "xyz_m", Must::LieWithin(-100.0, 100.0))
+            }
+            None => Some([0.0; 3]),
+        };
+        let priors = match doc.section(root, "prior", None) {
+            Some(section) => read_priors(doc, section),
+            None => Vec::new(),
+        };
+        document.finish()?;
+
+        // What is missing here has been refused above; the fallbacks are never used.
+        let incomplete = || LogError::file(path, "is incomplete");
+        let initial = match initial {
+            Some(initial) => Some(initial.ok_or_else(incomplete)?),
+            None => None,
+        };
+        Ok(Self {
+            rate: rate.ok_or_else(incomplete)?,
+            gyro_pulse,
+            accel_pulse,
+            site: site.ok_or_else(incomplete)?,
+            initial,
+            reference,
+            reference_given: given.map(|sigma| sigma.is_some()),
+            noise: SensorNoise {
+                angle_random_walk: angle.ok_or_else(incomplete)? * units::DEG_PER_SQRT_HOUR,
+                velocity_random_walk: velocity.ok_or_else(incomplete)? * units::MICRO_G,
+            },
+            noise_given,
+            reference_temperature: reference_temperature.ok_or_else(incomplete)?,
+            outer_lever: outer_lever.ok_or_else(incomplete)?.into(),
+            priors,
+        })
+    }
+}
+
+fn read_site(doc: &mut Document<'_>, root: &DeTable<'_>) -> Option<Site> {
+    let Some(section) = doc.section(root, "site", Some(SITE)) else {
+        if !root.contains_key("site") {
+            let help = "give [site] latitude_deg, longitude_deg and height_m: gravity and the Earth's rate \
+                        depend on them";
+            doc.lack(None, "site", help);
+        }
+        return None;
+    };
+    let latitude = doc.required(section, "latitude_deg", Must::LieWithin(-90.0, 90.0), "north is positive");
+    let longitude =
+        doc.required(section, "longitude_deg", Must::LieWithin(-180.0, 360.0), "east is positive");
+    let height =
+        doc.required(section, "height_m", Must::LieWithin(-1000.0, 20_000.0), "height over the ellipsoid");
+    Some(Site { latitude: latitude? * units::DEGREE, longitude: longitude? * units::DEGREE, height: height? })
+}
+
+fn read_initial(doc: &mut Document<'_>, section: Section<'_>) -> Option<InitialAttitude> {
+    let level = doc.required(section, "level_sigma_deg", Must::BePositiveUpTo(180.0), "sigma of the tilt");
+    let heading =
+        doc.required(section, "heading_sigma_deg", Must::BePositiveUpTo(180.0), "sigma of the heading");
+    let field = section.field("quaternion_wxyz");
+    let Some(span) = section.span_of("quaternion_wxyz") else {
+        doc.lack(
+            Some(section),
+            &field,
+            "the attitude at the first row; without [initial] it is found from the data",
+        );
+        return None;
+    };
+    // Any finite number here: what counts is the norm.
+    let [w, x, y, z] = doc.list::<4>(section, "quaternion_wxyz", Must::BeFinite)?;
+    let quaternion = Quaternion::new(w, x, y, z);
+    let norm = quaternion.norm();
+    if (norm - 1.0).abs() > UNIT_TOLERANCE {
+        let problem = format!("has norm {norm:.6}, a unit quaternion was expected (within 0.001)");
+        doc.refuse(span, &field, &problem, Some("the order is w, x, y, z; w is the scalar".into()));
+        return None;
+    }
+    Some(InitialAttitude {
+        attitude: UnitQuaternion::from_quaternion(quaternion),
+        level_sigma: level? * units::DEGREE,
+        heading_sigma: heading? * units::DEGREE,
+    })
+}
+
+fn read_priors(doc: &mut Document<'_>, section: Section<'_>) -> Vec<(&'static str, f64)> {
+    let mut priors = Vec::new();
+    for (key, value) in section.table() {
+        let name = key.get_ref().as_ref();
+        let field = section.field(name);
+        let Some(effect) = sinscal::effect(name) else {
+            let hint = suggest::hint(name, sinscal::EFFECTS.iter().map(EffectInfo::name));
+            doc.refuse(key.span(), &field, "is not an effect", Some(hint));
+            continue;
+        };
+        let accepted = units::of_parameters(effect.unit());
+        let DeValue::Table(table) = value.get_ref() else {
+            let example = format!("write \"{name}\" = {{ sigma = 1.0, unit = \"{}\" }}", effect.unit());
+            doc.refuse(value.span(), &field, "must give a sigma and its unit", Some(example));
+            continue;
+        };
+        doc.only(table, &field, &["sigma", "unit"]);
+        let (sigma_field, unit_field) = (format!("{field}.sigma"), format!("{field}.unit"));
+        let names =
+            || format!("accepted: {}", accepted.iter().map(|(unit, _)| *unit).collect::<Vec<_>>().join(", "));
+        let sigma = match table.get("sigma") {
+            Some(sigma) => doc.number(sigma, &sigma_field, Must::BePositive),
+            None => {
+                doc.refuse(key.span(), &sigma_field, "is missing", Some("one standard deviation".into()));
+                None
+            }
+        };
+        let scale = match table.get("unit").map(|unit| (unit.span(), unit.get_ref())) {
+            Some((span, DeValue::String(unit))) => match units::scale(accepted, unit) {
+                Ok(scale) => Some(scale),
+                Err(help) => {
+                    doc.refuse(
+                        span,
+                        &unit_field,
+                        &format!("`{unit}` is not a unit of this effect"),
+                        Some(help),
+                    );
+                    None
+                }
+            },
+            Some((span, other)) => {
+                let problem = format!("is {}, the name of a unit was expected", fields::kind(other));
+                doc.refuse(span, &unit_field, &problem, Some(names()));
+                None
+            }
+            None => {
+                doc.refuse(key.span(), &unit_field, "is missing", Some(names()));
+                None
+            }
+        };
+        if let (Some(sigma), Some(scale)) = (sigma, scale) {
+            let si_sigma = sigma * scale;
+            if (PRIORS.0..=PRIORS.1).contains(&si_sigma) {
+                priors.push((effect.name(), si_sigma));
+            } else {
+                let unit = effect.unit();
+                let problem = format!("is {si_sigma:e} {unit}: no filter can compute with this");
+                let help = format!("a sigma from {:e} to {:e} {unit} was expected", PRIORS.0, PRIORS.1);
+                doc.refuse(key.span(), &field, &problem, Some(help));
+            }
+        }
+    }
+    priors
+}
