@@ -124,7 +124,7 @@
 //!
 //! - `std` (default): faster elementary functions, [`Coarse`] and [`Smoother`]. Without it the library neither allocates nor links
 //!   the standard library.
-//! - `check`: the Jacobian checker `sinscal::check`, for the tests of your own blocks.
+//! - `check`: `sinscal::check`, for the tests and benchmarks of your own blocks and filters.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate self as sinscal;

@@ -10,7 +10,6 @@ struct Nav {
     bias: Option<GyroBias>,
     scale: Vec<Box<GyroScale>>,
     accel: [AccelBias; 3],
-    delay: &'static AccelDelay,
 }
 
 fn main() {

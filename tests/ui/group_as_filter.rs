@@ -1,4 +1,4 @@
-//! A group where a filter is asked for: rustc says it of the type, and once more of the function.
+//! A group where a filter is asked for.
 use sinscal::prelude::*;
 
 #[derive(StateBlocks)]
