@@ -58,6 +58,11 @@ fn names(list: &[String]) -> Vec<&str> {
 
 /// Names of the effects that a diagnosis has confirmed.
 fn found(path: &Path) -> Result<Vec<String>> {
+    base_of(path).map(|(_, found)| found)
+}
+
+/// The filter that a diagnosis was made with, and names of the effects that it has confirmed.
+pub(crate) fn base_of(path: &Path) -> Result<(String, Vec<String>)> {
     let at = path.display();
     let what = "--with takes names of effects, or the diagnosis.json that `sinscal diagnose --out` writes";
     let unreadable = |error: std::io::Error| miette!("{at}: cannot be read: {error}");
@@ -74,7 +79,9 @@ fn found(path: &Path) -> Result<Vec<String>> {
         effects.iter().filter_map(|effect| effect["name"].as_str().map(str::to_owned)).collect()
     });
     match names {
-        Some(names) if verdict == "effects-found" && !names.is_empty() => Ok(names),
+        Some(names) if verdict == "effects-found" && !names.is_empty() => {
+            Ok((document["base_filter"].as_str().unwrap_or_default().to_owned(), names))
+        }
         _ => Err(miette!(
             help = "what is not confirmed can be tried by its name: --with EFFECT",
             "{at}: the diagnosis confirms no effect: its verdict is `{verdict}`"

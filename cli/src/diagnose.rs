@@ -107,8 +107,13 @@ impl Arguments {
         if let (Some(folder), Some(_)) = (&self.results.out, &found.source) {
             found.declaration = Some(folder.join(DECLARATION).display().to_string());
         }
+        let next = self.results.out.as_deref().filter(|_| found.verdict == Verdict::EffectsFound).map(|out| {
+            let from = out.join("diagnosis.json");
+            let (from, name) = (from.display(), filter.name());
+            format!("  sinscal calibrate LOG --filter {name} --with {from}\n  sinscal new my-unit --from {from}")
+        });
         let json = serde_json::to_string_pretty(&found).into_diagnostic()? + "\n";
-        target.write("diagnosis", &json, &text(&found), &found.sentence, |files, folder| {
+        target.write("diagnosis", &json, &text(&found, next.as_deref()), &found.sentence, |files, folder| {
             if let Some(source) = &found.source {
                 files.write(&folder.join(DECLARATION), |file| file.write_all(source.as_bytes()))?;
             }
@@ -136,7 +141,7 @@ fn plan(filter: &dyn AnyFilter, found: &mut Diagnosis) -> Result<()> {
 }
 
 /// The finding for people: the sentence, then the evidence.
-fn text(found: &Diagnosis) -> String {
+fn text(found: &Diagnosis, next: Option<&str>) -> String {
     let mut text = say::folded(&format!("{}\n", found.sentence), 0);
     // Writing to a string does not fail.
     for note in &found.notes {
@@ -192,6 +197,9 @@ fn text(found: &Diagnosis) -> String {
     next_runs(found, &mut text);
     if let Some(source) = &found.source {
         let _ = writeln!(text, "\nthe filter with what was found:\n\n{source}");
+    }
+    if let Some(next) = next {
+        let _ = writeln!(text, "next, on another log of the unit:\n{next}");
     }
     text
 }

@@ -34,6 +34,7 @@ mod effects;
 mod export;
 mod filters;
 mod navigate;
+mod new;
 mod observe;
 mod origin;
 mod output;
@@ -100,6 +101,7 @@ enum Command {
     Paper(paper::Arguments),
     Filters(filters::Arguments),
     Effects(effects::Arguments),
+    New(new::Arguments),
     Completions(completions::Arguments),
 }
 
@@ -163,6 +165,7 @@ fn run() -> ExitCode {
         Command::Paper(arguments) => arguments.run(),
         Command::Filters(arguments) => arguments.run(),
         Command::Effects(arguments) => arguments.run(),
+        Command::New(arguments) => arguments.run(),
         Command::Completions(arguments) => arguments.run(),
     };
     match result {

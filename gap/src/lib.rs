@@ -57,7 +57,7 @@ mod verify;
 mod white;
 
 pub use chi2::ln_survival;
-pub use declaration::{BaseFilter, declaration};
+pub use declaration::{BaseFilter, declaration, fields, type_name};
 pub use diagnose::{Options, diagnose};
 pub use error::Error;
 pub use linear::Noise;
