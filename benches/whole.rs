@@ -25,7 +25,7 @@ impl FilterVisitor for Pass<'_, '_> {
 
     fn visit<F: Filter<Dynamics = Strapdown>>(self) {
         let pass = |(): &mut ()| {
-            let mut run = Box::new(Calibration::<F>::new(self.setup));
+            let mut run = Box::new(Calibration::<F>::new(self.setup).expect("a sound setup"));
             for sample in self.samples {
                 run.step(sample).expect("does not diverge");
             }

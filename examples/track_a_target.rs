@@ -11,8 +11,7 @@ struct ConstantVelocity;
 impl Dynamics for ConstantVelocity {
     const CORE: usize = 4;
     const INPUTS: usize = 0;
-    const CHANNELS: &'static [ChannelGroup] =
-        &[ChannelGroup { name: "plot", first: 0, components: &["e", "n"], unit: "m" }];
+    const CHANNELS: usize = 2;
     const NEEDS: &'static [Need] = &[];
     type Signals<T: Real> = ();
     type Point<T: Real> = ();
@@ -26,6 +25,21 @@ impl Dynamics for ConstantVelocity {
         put(0, 0, T::one());
         put(1, 1, T::one());
     }
+}
+
+/// What the radar shows: position, which is the channels as they are.
+struct Plot;
+
+impl Measurement for Plot {
+    type Dynamics = ConstantVelocity;
+    const INFO: MeasurementInfo = MeasurementInfo {
+        name: "plot",
+        components: &["e", "n"],
+        unit: "m",
+        columns: &[],
+        sigma: 3.0,
+        channels: Some(0),
+    };
 }
 
 /// What all blocks of this example share: two components, a name, a prior.
@@ -65,7 +79,7 @@ planar!(RadarZero, "radar-zero", "m", 20.0, {
 });
 
 #[derive(StateBlocks)]
-#[filter(dynamics = ConstantVelocity, measures(plot))]
+#[filter(dynamics = ConstantVelocity, measures(Plot))]
 struct Tracker {
     position: TargetPosition,
     velocity: TargetVelocity,
@@ -85,8 +99,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let t = f64::from(second);
         let plot = [300.0 + 12.0 * t + 3.0 * (0.9 * t).sin(), -200.0 + 5.0 * t + 3.0 * (1.7 * t).cos()];
         let mut residuals = Residuals::<Tracker, f64>::default();
-        for channel in 0..2 {
-            residuals.set(channel, -plot[channel], 3.0);
+        for row in 0..2 {
+            residuals.set(row, -plot[row], Plot::INFO.sigma);
         }
         let found = kalman.update(&(), &(), residuals, None)?;
         if second % 30 == 0 {

@@ -51,22 +51,20 @@
 //! use nalgebra::{UnitQuaternion, Vector3};
 //!
 //! let setup = Setup {
-//!     rate: 50.0,
-//!     site: Site { latitude: 0.56, longitude: 2.07, height: 20.0 },
-//!     initial: InitialAttitude {
-//!         attitude: UnitQuaternion::identity(),
-//!         level_sigma: 5e-4,
-//!         heading_sigma: 2e-3,
-//!     },
-//!     reference: ReferenceSigma { velocity: 1e-3, position: 2e-3, attitude: 1e-4 },
-//!     update_rate: 1.0,
-//!     noise: SensorNoise { angle_random_walk: 3e-7, velocity_random_walk: 5e-5 },
-//!     reference_temperature: 25.0,
-//!     outer_lever: Vector3::zeros(),
 //!     priors: &[("accel-bias", 5e-3)],
-//!     open: sinscal::OpenBlocks::NONE,
+//!     ..Setup::new(
+//!         50.0,
+//!         Site { latitude: 0.56, longitude: 2.07, height: 20.0 },
+//!         InitialAttitude {
+//!             attitude: UnitQuaternion::identity(),
+//!             level_sigma: 5e-4,
+//!             heading_sigma: 2e-3,
+//!         },
+//!         ReferenceSigma { velocity: 1e-3, position: 2e-3, attitude: 1e-4 },
+//!         SensorNoise { angle_random_walk: 3e-7, velocity_random_walk: 5e-5 },
+//!     )
 //! };
-//! let mut run = Calibration::<Sins36P>::new(&setup);
+//! let mut run = Calibration::<Sins36P>::new(&setup)?;
 //! for k in 1..=500 {
 //!     let sample = Sample {
 //!         time: f64::from(k) / 50.0,
@@ -78,7 +76,7 @@
 //!         reference: Reference {
 //!             velocity: Some(Vector3::zeros()),
 //!             position: Some(Vector3::zeros()),
-//!             attitude: None,
+//!             ..Reference::default()
 //!         },
 //!     };
 //!     run.step(&sample)?;
@@ -86,7 +84,7 @@
 //!
 //! // it explains its log when this is near 1
 //! println!("NIS per degree of freedom {:.2}", run.statistics().nis_per_dof());
-//! # Ok::<(), sinscal::Diverged>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! # Read
@@ -141,12 +139,14 @@ mod filters;
 mod gate;
 #[cfg(feature = "std")]
 mod innovations;
+pub mod measurements;
 pub mod navigation;
 pub mod observability;
 mod observer;
 mod outcome;
 pub mod path;
 mod sample;
+mod setup;
 mod signals;
 #[cfg(feature = "std")]
 mod smoothing;
@@ -169,9 +169,9 @@ pub use calib_core;
 #[cfg(feature = "check")]
 pub use calib_core::check;
 pub use calib_core::{
-    Block, BlockView, BlockVisitor, ChannelGroup, Conventional, Counted, Dim, Dynamics, Estimate, Extended,
-    Fault, Filter, Flaw, Form, Innovation, Kalman, Leaf, Need, Real, Relaxation, Residuals, Shape, StateInfo,
-    Transition, Ud, View, declares, first_state, leaves, relaxations, relaxes,
+    Block, BlockView, BlockVisitor, Conventional, Counted, Dim, Dynamics, Estimate, Extended, Fault, Filter,
+    Flaw, Form, Innovation, Kalman, Leaf, Measurement, MeasurementInfo, Need, Real, Relaxation, Residuals,
+    Shape, StateInfo, Transition, Ud, View, declares, first_state, leaves, relaxations, relaxes,
 };
 pub use calibration::{Calibration, Known};
 #[cfg(feature = "std")]
@@ -187,9 +187,13 @@ pub use filters::{
 pub use gate::Gate;
 #[cfg(feature = "std")]
 pub use innovations::{ChannelInnovations, Innovations};
+pub use measurements::channel;
 pub use observer::{Event, Observer, Refusal};
 pub use outcome::{Diverged, Parameter, Statistics, Update};
-pub use sample::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Site};
+pub use sample::{OWN, ReadingSigma, Reference, Sample, own_columns};
+pub use setup::{
+    InitialAttitude, InitialVelocity, ReferenceSigma, SensorNoise, Setup, SetupError, Site, Word,
+};
 pub use signals::{Point, Signals};
 #[cfg(feature = "std")]
 pub use smoothing::{Smoothed, Smoother, Tape};
@@ -201,8 +205,8 @@ pub mod prelude {
     pub use crate::blocks::groups::*;
     pub use crate::blocks::*;
     pub use crate::{
-        Block, BlockView, Calibration, ChannelGroup, Conventional, Dynamics, Filter, Kalman, Need, Real,
-        Relaxation, Residuals, StateBlocks, StateInfo, Strapdown, Transition, Ud,
+        Block, BlockView, Calibration, Conventional, Dynamics, Filter, Kalman, Measurement, MeasurementInfo,
+        Need, Real, Relaxation, Residuals, StateBlocks, StateInfo, Strapdown, Transition, Ud,
     };
 }
 

@@ -1,6 +1,6 @@
 //! The strapdown error model as a family of dynamics.
 
-use calib_core::{Block, ChannelGroup, Dynamics, Fault, Need, Real, declares};
+use calib_core::{Block, Dynamics, Fault, Need, Real, declares};
 use nalgebra::Vector3;
 
 use crate::{Attitude, Dither, Point, Position, Signals, Velocity, tables};
@@ -11,8 +11,8 @@ use crate::{Attitude, Dither, Point, Position, Signals, Velocity, tables};
 ///   `C_hat = (I - [phi x]) C`.
 /// - Inputs: errors of the three angular rates (0 to 2) and the three specific forces (3 to 5) in b, measured
 ///   minus true.
-/// - Channels: velocity and position of the observed point and attitude, predicted minus reference;
-///   `C_pred = (I - [z_a x]) C_ref`.
+/// - Channels: velocity (0 to 2) and position (3 to 5) of the observed point, attitude (6 to 8), and rate of the body
+///   against the Earth in b (9 to 11), predicted minus reference; `C_pred = (I - [z_a x]) C_ref`.
 /// - Source: Eq. 40-42 and 46-49 of doi:10.3390/s22010278.
 #[derive(Clone, Copy, Debug)]
 pub struct Strapdown;
@@ -22,16 +22,10 @@ pub const RATE: usize = 0;
 /// Sensor input of the specific force along x; y and z follow. What a block puts for accelerometers.
 pub const FORCE: usize = 3;
 
-const ENU: &[&str] = &["e", "n", "u"];
-
 impl Dynamics for Strapdown {
     const CORE: usize = 9;
     const INPUTS: usize = 6;
-    const CHANNELS: &'static [ChannelGroup] = &[
-        ChannelGroup { name: "velocity", first: 0, components: ENU, unit: "m/s" },
-        ChannelGroup { name: "position", first: 3, components: ENU, unit: "m" },
-        ChannelGroup { name: "attitude", first: 6, components: ENU, unit: "rad" },
-    ];
+    const CHANNELS: usize = 12;
     const NEEDS: &'static [Need] = &[
         Need {
             any_of: &[Attitude::NAME],
@@ -71,6 +65,7 @@ impl Dynamics for Strapdown {
     #[inline(always)]
     fn measurement_jacobian<T: Real>(at: &Point<T>, put: &mut impl FnMut(usize, usize, T)) {
         tables::strapdown_residual::measurement_jacobian(at, put);
+        tables::strapdown_rate::measurement_jacobian(at, put);
     }
 
     #[inline(always)]

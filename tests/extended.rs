@@ -10,7 +10,7 @@ use sinscal::{
 
 fn parameters<F: Filter<Dynamics = Strapdown>, C: Form>() -> Vec<(String, u64, u64)> {
     let mut numbers = Numbers(5);
-    let mut run = Calibration::<F, C>::new(&setup());
+    let mut run = Calibration::<F, C>::new(&setup()).expect("a sound setup");
     for k in 0..1000 {
         let time = f64::from(k) * 0.01;
         let now = signals(time);

@@ -21,7 +21,8 @@ struct Found {
 }
 
 fn find<F: Filter<Dynamics = Strapdown>>(setup: &Setup, samples: &[Sample], open: OpenBlocks) -> Found {
-    let mut run = Box::new(Calibration::<F, Conventional>::new(&Setup { open, ..*setup }));
+    let mut run =
+        Box::new(Calibration::<F, Conventional>::new(&Setup { open, ..*setup }).expect("a sound setup"));
     for pass in 0..2 {
         if pass > 0 {
             run.begin_pass();

@@ -89,8 +89,8 @@ impl<T: Real, C: Form> Run<T, C> {
         self.transition.reset();
         let (at, signals) = instant::<T>(f64::from(second + 1));
         let mut residuals = Residuals::<F, T>::default();
-        for channel in 0..6 {
-            residuals.set(channel, T::zero(), T::of(if channel < 3 { 1e-3 } else { 2e-3 }));
+        for row in 0..6 {
+            residuals.set(row, T::zero(), T::of(if row < 3 { 1e-3 } else { 2e-3 }));
         }
         self.kalman.update(&at, &signals, residuals, None).is_ok()
     }

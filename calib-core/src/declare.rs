@@ -5,14 +5,17 @@
 
 use core::marker::PhantomData;
 
-use crate::{Block, BlockVisitor, ChannelGroup, Dynamics, Filter, Need, Real, Relaxation, StateInfo};
+use crate::measurement::first_row;
+use crate::{
+    Block, BlockVisitor, Dynamics, Filter, Measurement, MeasurementInfo, Need, Real, Relaxation, StateInfo,
+};
 
 mod rules;
 mod text;
 
 pub use rules::{belongs, filter, filter_field, group_field, measurement};
-pub use text::Text;
 use text::equal;
+pub use text::{Text, distance};
 
 /// A block as the rules see it, within a declaration: what it is, and the parts that it is made of.
 #[derive(Clone, Copy)]
@@ -70,7 +73,7 @@ impl Part {
     }
 
     /// The part as a base, which must have been a filter and have had `measures`.
-    pub const fn base(mut self, measures: Option<&'static [usize]>) -> Self {
+    pub const fn base(mut self, measures: Option<&'static [MeasurementInfo]>) -> Self {
         self.role = Role::Base { declared: measures.is_some() };
         self
     }
@@ -174,18 +177,98 @@ pub trait Misfit {
 
 impl<B, D> Misfit for Field<B, D> {}
 
+/// The measurement `M` of a declaration with dynamics `D`; where it is none of these dynamics, [`Unmeasured`].
+pub struct Measured<M, D>(PhantomData<(M, D)>);
+
+impl<M: Measurement<Dynamics = D>, D: Dynamics> Measured<M, D> {
+    /// [`Measurement::INFO`].
+    pub const INFO: MeasurementInfo = M::INFO;
+
+    /// [`Measurement::residual`].
+    #[inline]
+    pub fn residual<T: Real>(at: &D::Point<T>, reading: &[T], put: &mut impl FnMut(usize, T)) {
+        M::residual(at, reading, put);
+    }
+
+    /// [`Measurement::jacobian`], with the rows of `measures` at place `measured`.
+    #[inline(always)]
+    pub fn jacobian<T: Real>(
+        measures: &[MeasurementInfo],
+        measured: usize,
+        at: &D::Point<T>,
+        put: &mut impl FnMut(usize, usize, T),
+    ) {
+        let first = first_row(measures, measured);
+        M::jacobian(at, &mut |row, channel, value| put(first + row, channel, value));
+    }
+}
+
+/// A [`Measured`] that is no measurement of the dynamics.
+pub trait Unmeasured {
+    /// No rows.
+    const INFO: MeasurementInfo =
+        MeasurementInfo { name: "", components: &[], unit: "", columns: &[], sigma: 0.0, channels: Some(0) };
+
+    /// No residuals.
+    fn residual<T: Real>(at: &impl Sized, reading: &[T], put: &mut impl FnMut(usize, T)) {
+        let _ = (at, reading, put);
+    }
+
+    /// No rows.
+    fn jacobian<T: Real>(
+        measures: &[MeasurementInfo],
+        measured: usize,
+        at: &impl Sized,
+        put: &mut impl FnMut(usize, usize, T),
+    ) {
+        let _ = (measures, measured, at, put);
+    }
+}
+
+impl<M, D> Unmeasured for Measured<M, D> {}
+
 /// The type of a base, which is a filter or else [`Baseless`].
 pub struct Base<B>(PhantomData<B>);
 
 impl<B: Filter> Base<B> {
     /// The measurements of the filter `B`.
-    pub const MEASURES: Option<&'static [usize]> = Some(B::MEASURES);
+    pub const MEASURES: Option<&'static [MeasurementInfo]> = Some(B::MEASURES);
+
+    /// [`Filter::residual`].
+    #[inline]
+    pub fn residual<T: Real>(
+        measured: usize,
+        at: &<B::Dynamics as Dynamics>::Point<T>,
+        reading: &[T],
+        put: &mut impl FnMut(usize, T),
+    ) {
+        B::residual(measured, at, reading, put);
+    }
+
+    /// [`Filter::residual_jacobian`].
+    #[inline(always)]
+    pub fn residual_jacobian<T: Real>(
+        at: &<B::Dynamics as Dynamics>::Point<T>,
+        put: &mut impl FnMut(usize, usize, T),
+    ) {
+        B::residual_jacobian(at, put);
+    }
 }
 
 /// A [`Base`] that is no filter.
 pub trait Baseless {
     /// It measures nothing.
-    const MEASURES: Option<&'static [usize]> = None;
+    const MEASURES: Option<&'static [MeasurementInfo]> = None;
+
+    /// No residuals.
+    fn residual<T: Real>(measured: usize, at: &impl Sized, reading: &[T], put: &mut impl FnMut(usize, T)) {
+        let _ = (measured, at, reading, put);
+    }
+
+    /// No rows.
+    fn residual_jacobian<T: Real>(at: &impl Sized, put: &mut impl FnMut(usize, usize, T)) {
+        let _ = (at, put);
+    }
 }
 
 impl<B> Baseless for Base<B> {}
@@ -198,8 +281,6 @@ impl<D: Dynamics> Family<D> {
     pub const KNOWN: bool = true;
     /// [`Dynamics::CORE`].
     pub const CORE: usize = D::CORE;
-    /// [`Dynamics::CHANNELS`].
-    pub const CHANNELS: &'static [ChannelGroup] = D::CHANNELS;
     /// [`Dynamics::NEEDS`].
     pub const NEEDS: &'static [Need] = D::NEEDS;
 }
@@ -210,8 +291,6 @@ pub trait Unrelated {
     const KNOWN: bool = false;
     /// No states.
     const CORE: usize = 0;
-    /// Nothing to measure.
-    const CHANNELS: &'static [ChannelGroup] = &[];
     /// No rules.
     const NEEDS: &'static [Need] = &[];
 }
@@ -336,33 +415,13 @@ pub const fn needs<const K: usize>(parts: &[Part]) -> [Need; K] {
     all
 }
 
-/// Index of the measurement called `name`; 0 when there is none, which [`measurement`] reports.
-pub const fn channel(groups: &[ChannelGroup], name: &str) -> usize {
-    let mut k = 0;
-    while k < groups.len() {
-        if equal(groups[k].name, name) {
-            return k;
-        }
-        k += 1;
-    }
-    0
-}
-
 /// Rows of the measurement matrix.
-pub const fn rows(groups: &[ChannelGroup], measures: &[usize]) -> usize {
-    let mut rows = 0;
-    let mut k = 0;
-    while k < measures.len() {
-        if measures[k] < groups.len() {
-            rows += groups[measures[k]].components.len();
-        }
-        k += 1;
-    }
-    rows
+pub const fn rows(measures: &[MeasurementInfo]) -> usize {
+    first_row(measures, measures.len())
 }
 
 /// The measurements of a base, none when it is no filter, which [`filter_field`] reports.
-pub const fn inherited(measures: Option<&'static [usize]>) -> &'static [usize] {
+pub const fn inherited(measures: Option<&'static [MeasurementInfo]>) -> &'static [MeasurementInfo] {
     match measures {
         Some(measures) => measures,
         None => &[],

@@ -12,7 +12,8 @@ use hybrid_array::{ArraySize, AssocArraySize};
 
 use crate::declare::{Part, unmet};
 use crate::{
-    Array, Block, BlockVisitor, Dim, Dynamics, Entries, Estimate, Filter, Real, Shape, StateInfo, View,
+    Array, Block, BlockVisitor, Dim, Dynamics, Entries, Estimate, Filter, MeasurementInfo, Real, Shape,
+    StateInfo, View,
 };
 
 /// A block whose number of states is a type too. `#[derive(StateBlocks)]` makes a group one; a block that is written by hand
@@ -180,5 +181,23 @@ where
         <F::Shape as Sizes>::Core,
         <F::Shape as Sizes>::Rows,
     >;
-    const MEASURES: &'static [usize] = F::MEASURES;
+    const MEASURES: &'static [MeasurementInfo] = F::MEASURES;
+
+    #[inline]
+    fn residual<T: Real>(
+        measured: usize,
+        at: &<Self::Dynamics as Dynamics>::Point<T>,
+        reading: &[T],
+        put: &mut impl FnMut(usize, T),
+    ) {
+        F::residual(measured, at, reading, put);
+    }
+
+    #[inline(always)]
+    fn residual_jacobian<T: Real>(
+        at: &<Self::Dynamics as Dynamics>::Point<T>,
+        put: &mut impl FnMut(usize, usize, T),
+    ) {
+        F::residual_jacobian(at, put);
+    }
 }

@@ -16,6 +16,7 @@ mod filter;
 mod form;
 mod kalman;
 mod machine;
+mod measurement;
 mod observability;
 mod probe;
 mod real;
@@ -27,14 +28,15 @@ mod vocabulary;
 
 pub use block::{Block, Need, Relaxation, StateInfo};
 pub use conventional::Conventional;
-pub use dynamics::{ChannelGroup, Dynamics};
+pub use dynamics::Dynamics;
 pub use extended::{Counted, Extended, ExtendedView, Grown, Sizes};
 pub use filter::{
-    Array, CoreRows, CoreVector, Dim, Filter, Matrix, Measurement, MeasurementMatrix, MeasurementRows, Shape,
-    Vector,
+    Array, CoreRows, CoreVector, Dim, Filter, Matrix, MeasurementMatrix, MeasurementRows, MeasurementVector,
+    Shape, Vector,
 };
 pub use form::{Fade, Form, Whitened};
-pub use kalman::{Innovation, Kalman, NotPositiveDefinite, Residuals, measurement_rows};
+pub use kalman::{Innovation, Kalman, NotPositiveDefinite, Residuals, measurement_rows, relaxing};
+pub use measurement::{Measurement, MeasurementInfo};
 pub use observability::{Decomposition, ObservabilityRows, Triangle, system_rows};
 pub use probe::{Fault, Flaw, faults, probe};
 pub use real::Real;

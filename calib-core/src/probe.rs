@@ -157,8 +157,7 @@ impl<D: Dynamics> BlockVisitor<D> for Probe<'_, D> {
                 fault(Flaw::Input { input, inputs: D::INPUTS });
             }
         });
-        let channels =
-            D::CHANNELS.iter().map(|group| group.first + group.components.len()).max().unwrap_or(0);
+        let channels = D::CHANNELS;
         B::measurement_jacobian(self.at, &mut |channel, state, _| {
             if state >= dim {
                 fault(Flaw::State { within: "measurement_jacobian", state, dim });

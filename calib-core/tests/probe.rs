@@ -1,8 +1,7 @@
 //! Blocks that contradict themselves, each named with what is wrong.
 
 use calib_core::{
-    Block, BlockView, BlockVisitor, ChannelGroup, Dynamics, Fault, Flaw, Need, Real, Relaxation, StateInfo,
-    faults, probe,
+    Block, BlockView, BlockVisitor, Dynamics, Fault, Flaw, Need, Real, Relaxation, StateInfo, faults, probe,
 };
 
 /// One state, two inputs, one channel.
@@ -11,8 +10,7 @@ struct Rail;
 impl Dynamics for Rail {
     const CORE: usize = 1;
     const INPUTS: usize = 2;
-    const CHANNELS: &'static [ChannelGroup] =
-        &[ChannelGroup { name: "place", first: 0, components: &["x"], unit: "m" }];
+    const CHANNELS: usize = 1;
     const NEEDS: &'static [Need] = &[];
     type Signals<T: Real> = ();
     type Point<T: Real> = ();

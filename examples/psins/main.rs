@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scenario.motion.start = start();
     let simulation = Simulation::new(&scenario, 1)?;
     let truth = simulation.truth().clone();
-    let mut run = Box::new(Calibration::<Sins46>::new(&simulation.description().setup(&[])));
+    let mut run = Box::new(Calibration::<Sins46>::new(&simulation.description().setup(&[]))?);
     let samples: Vec<_> = simulation.collect();
     for pass in 0..2 {
         if pass > 0 {

@@ -45,7 +45,7 @@ impl Log<'_> {
                 Some(joined) => join(joined, sample),
                 None => joined = Some(*sample),
             }
-            let is_due = sample.time >= due && is_read(&sample.reference);
+            let is_due = sample.time >= due && sample.reference.is_read();
             let is_longer = |all: &Sample| {
                 all.time - start >= JOINED_TIME || all.dtheta.norm_squared() >= JOINED_ANGLE * JOINED_ANGLE
             };
@@ -76,10 +76,6 @@ fn join(joined: &mut Sample, next: &Sample) {
             }
         });
     }
-}
-
-fn is_read(reference: &Reference) -> bool {
-    reference.velocity.is_some() || reference.position.is_some() || reference.attitude.is_some()
 }
 
 /// What one look at a log tells before any filter runs.
@@ -117,7 +113,7 @@ impl Survey {
                 (p - *from).amax() < STILL * sigma.position
             });
             survey.fixed &= still && there;
-            survey.readings += usize::from(is_read(reference));
+            survey.readings += usize::from(reference.is_read());
             for value in s.dtheta.iter().chain(&s.dvel) {
                 digest.write_u64(value.to_bits());
             }
@@ -221,7 +217,7 @@ mod tests {
         assert!((sum(&joined) - sum(&used)).norm() < 1e-9 && used.len() > 495);
         assert!(joined.iter().all(|s| s.dtheta.norm() < JOINED_ANGLE + 0.0035));
         assert!(joined.iter().any(|s| s.temperature.x == 30.0 && s.time > samples[52].time));
-        let due = joined.iter().filter(|s| is_read(&s.reference)).count();
+        let due = joined.iter().filter(|s| s.reference.is_read()).count();
         assert!((10..=11).contains(&due), "{due}");
         let still = joined.iter().filter(|s| s.time <= 5.0).count();
         assert!(

@@ -36,7 +36,7 @@ pub(crate) struct Step {
     pub(crate) h: Vec<f64>,
     pub(crate) z: Vec<f64>,
     pub(crate) r: Vec<f64>,
-    /// Channel of the dynamics of each measurement.
+    /// What each measurement is of, by [`Channels`].
     pub(crate) channel: Vec<usize>,
     pub(crate) motion: Motion,
 }
@@ -60,6 +60,8 @@ pub(crate) struct Recording {
     pub(crate) steps: Vec<Step>,
     /// Parameters that are not constant: column, inverse correlation time, noise density.
     pub(crate) relaxing: Vec<(usize, f64, f64)>,
+    /// Names of what [`Step::channel`] counts, for instance `vel_n`; empty where nothing is measured.
+    pub(crate) channels: Vec<String>,
 }
 
 impl Recording {
@@ -104,7 +106,13 @@ impl Recording {
                 steps.push(kept);
             }
         }
-        Self { steps, columns: self.columns.clone(), start: self.start, relaxing: self.relaxing.clone() }
+        Self {
+            steps,
+            columns: self.columns.clone(),
+            relaxing: self.relaxing.clone(),
+            channels: self.channels.clone(),
+            ..*self
+        }
     }
 }
 

@@ -123,8 +123,13 @@ impl<'a> Runs<'a> {
             gate = traced.gate;
             passes += 1;
             let relaxing = traced.relaxing.iter().map(|(column, r)| (*column, r.rate, r.density)).collect();
-            let recording =
-                Recording { columns: columns.clone(), start: traced.start, steps: recorder.steps, relaxing };
+            let recording = Recording {
+                columns: columns.clone(),
+                start: traced.start,
+                steps: recorder.steps,
+                relaxing,
+                channels: traced.channels,
+            };
             let (found, prices) = price(&recording, noise).ok_or(SceneError::Indefinite)?;
             let estimates = estimates(&recording, &found, &prices).ok_or(SceneError::Indefinite)?;
             let estimate: Vec<f64> = estimates.iter().map(|e| e.0).collect();

@@ -25,7 +25,7 @@ fn pricing_beside_one_pass() {
         timed.fold(f64::INFINITY, f64::min)
     };
     let pass = least(&mut || {
-        let mut calibration = Calibration::<Sins36P>::new(&setup);
+        let mut calibration = Calibration::<Sins36P>::new(&setup).expect("a sound setup");
         for sample in &samples {
             calibration.step(sample).unwrap();
         }

@@ -301,7 +301,7 @@ impl Checker {
     fn reference(&self, batch: &Batch, row: usize) -> Result<Reference, LogError> {
         let Measured::Columns { velocity, position, attitude } = self.reference else {
             let rest = Some(Vector3::zeros());
-            return Ok(Reference { velocity: rest, position: rest, attitude: None });
+            return Ok(Reference { velocity: rest, position: rest, ..Reference::default() });
         };
         let mut reference = Reference::default();
         if velocity {

@@ -2,7 +2,7 @@
 
 use core::fmt::{Debug, Display, Formatter};
 
-use calib_core::{Block, BlockView, Real, StateInfo};
+use calib_core::{Block, BlockView, Dynamics, Real, StateInfo};
 use nalgebra::convert_unchecked;
 
 use crate::{AnyBlock, Point, Signals, Strapdown};
@@ -181,7 +181,7 @@ fn sound(block: &dyn AnyBlock) -> bool {
     block.states(&mut |_| described += 1);
     block.input_jacobian(&Signals::default(), &mut |input, state, _| sound &= input < 6 && state < dim);
     block.measurement_jacobian(&Point::default(), &mut |channel, state, _| {
-        sound &= channel < 9 && state < dim
+        sound &= channel < Strapdown::CHANNELS && state < dim
     });
     sound && described == dim
 }

@@ -5,7 +5,7 @@
 
 pub mod literature;
 
-use calib_core::{Block, Filter, StateInfo, declares};
+use calib_core::{Block, Filter, MeasurementInfo, StateInfo, declares};
 use state_macro::StateBlocks;
 
 use crate::Strapdown;
@@ -137,7 +137,7 @@ pub struct FilterInfo {
     /// removes it. Errors of 1e-2, those of a MEMS unit, take a third.
     pub passes: u32,
     dithers: bool,
-    measures: &'static [usize],
+    measures: &'static [MeasurementInfo],
     describe: fn(&mut dyn FnMut(StateInfo)),
 }
 
@@ -161,7 +161,6 @@ impl FilterInfo {
 
     /// Names of the measurements, in order.
     pub fn measures(&self) -> impl Iterator<Item = &'static str> {
-        use calib_core::Dynamics;
-        self.measures.iter().map(|group| Strapdown::CHANNELS[*group].name)
+        self.measures.iter().map(|info| info.name)
     }
 }

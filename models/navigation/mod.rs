@@ -67,7 +67,7 @@ pub struct Alignment<F: Filter<Dynamics = Strapdown>> {
 impl<F: Filter<Dynamics = Strapdown>> Alignment<F> {
     /// Begins at the first sample.
     pub fn new(setup: &Setup, parameters: &Vector<F, f64>) -> Self {
-        let mut run = std::boxed::Box::new(Calibration::new(setup));
+        let mut run = std::boxed::Box::new(Calibration::with_prior(setup, |_, _, sigma| sigma));
         run.begin_known(parameters);
         Self { run, smoother: Smoother::default() }
     }
@@ -118,7 +118,7 @@ pub struct FreeInertial<F: Filter<Dynamics = Strapdown>> {
 }
 
 impl<F: Filter<Dynamics = Strapdown>> FreeInertial<F> {
-    /// A run that begins at the first sample, at rest with the initial attitude.
+    /// A run that begins at the first sample, with the initial attitude and velocity.
     pub fn new(setup: &Setup, parameters: &Vector<F, f64>) -> Self {
         let mut lever = setup.outer_lever;
         leaves::<F>(|leaf| {
@@ -129,12 +129,14 @@ impl<F: Filter<Dynamics = Strapdown>> FreeInertial<F> {
                 }
             }
         });
+        let mut navigation = NavigationState::at_rest(&setup.site, setup.initial.attitude);
+        navigation.velocity = setup.velocity.velocity;
         Self {
             parameters: parameters.clone(),
             site: setup.site,
             lever,
             compensator: Compensator::new(setup.reference_temperature).with_open(setup.open),
-            navigation: NavigationState::at_rest(&setup.site, setup.initial.attitude),
+            navigation,
             before: Before::nothing(),
             nominal: 1.0 / setup.rate,
             start: f64::NEG_INFINITY,

@@ -132,8 +132,7 @@ impl Segmenter {
     /// Begins at the first sample of a log.
     pub fn new(setup: &Setup) -> Self {
         let prior = |name: &str| {
-            let given = setup.priors.iter().find(|(effect, _)| *effect == name).map(|(_, sigma)| *sigma);
-            given.or_else(|| crate::effect(name).map(|effect| effect.prior_sigma)).unwrap_or(0.0)
+            setup.prior(name).or_else(|| crate::effect(name).map(|effect| effect.prior_sigma)).unwrap_or(0.0)
         };
         let noise = setup.noise.angle_random_walk / ComplexField::sqrt(BLOCK);
         Self {

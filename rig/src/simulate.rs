@@ -276,6 +276,7 @@ impl Simulation {
             velocity: Some(reference.tilt * centre.velocity + (velocity + velocity_error)),
             position: Some(reference.tilt * centre.position + (position + position_error)),
             attitude,
+            ..Reference::default()
         }
     }
 }
@@ -363,7 +364,7 @@ impl Iterator for Simulation {
             None => Reference {
                 velocity: Some(Vector3::zeros()),
                 position: Some(Vector3::zeros()),
-                attitude: None,
+                ..Reference::default()
             },
         };
         Some(Sample { time, dtheta, dvel, temperature, gyro_temperature, dither, reference })

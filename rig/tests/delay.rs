@@ -20,7 +20,7 @@ fn shaken() -> Simulation {
 fn a_shaken_unit_gives_its_delay_back() {
     let simulation = shaken();
     let (truth, description) = (simulation.truth().clone(), simulation.description().clone());
-    let mut run = Box::new(Calibration::<Sins40P>::new(&description.setup(&[])));
+    let mut run = Box::new(Calibration::<Sins40P>::new(&description.setup(&[])).expect("a sound setup"));
     let samples: Vec<_> = simulation.collect();
     for pass in 0..2 {
         if pass > 0 {

@@ -32,7 +32,8 @@ fn calibrated<F: Filter<Dynamics = Strapdown>>(
 ) -> (f64, f64) {
     let simulation = Simulation::new(scenario, seed).unwrap();
     let truth = simulation.truth().clone();
-    let mut run = Box::new(Calibration::<F>::new(&simulation.description().setup(&[])));
+    let mut run =
+        Box::new(Calibration::<F>::new(&simulation.description().setup(&[])).expect("a sound setup"));
     let mut samples: Vec<_> = simulation.collect();
     samples.iter_mut().for_each(known);
     for pass in 0..2 {
@@ -138,7 +139,9 @@ fn gnss(units: u64) {
     let (mut sum, mut nis) = (0.0, 0.0);
     for seed in 1..=units {
         let simulation = Simulation::new(&scenario, seed).unwrap();
-        let mut run = Box::new(Calibration::<GnssIns15>::new(&simulation.description().setup(&[])));
+        let mut run = Box::new(
+            Calibration::<GnssIns15>::new(&simulation.description().setup(&[])).expect("a sound setup"),
+        );
         let samples: Vec<_> = simulation.clone().collect();
         for sample in &samples {
             run.step(sample).unwrap();
@@ -184,7 +187,8 @@ fn the_demonstration_of_psins_comes_out_as_it_went_in() {
         about(Vector3::z(), -91.0) * about(Vector3::x(), 1.0) * about(Vector3::y(), -91.0);
     let simulation = Simulation::new(&scenario, 1).unwrap();
     let truth = simulation.truth().clone();
-    let mut run = Box::new(Calibration::<Sins46>::new(&simulation.description().setup(&[])));
+    let mut run =
+        Box::new(Calibration::<Sins46>::new(&simulation.description().setup(&[])).expect("a sound setup"));
     let samples: Vec<_> = simulation.collect();
     let time = samples.last().unwrap().time;
     assert!((time - 982.0).abs() < 2.0, "{time} s");

@@ -8,6 +8,7 @@ use sinscal::navigation::{Pilot, pilot_of};
 use sinscal::{Calibration, Gate, Known, OpenBlocks, Setup, Strapdown};
 
 use crate::Error;
+use crate::channels::Channels;
 use crate::observe::{Analysis, look};
 use crate::running::{Options, Running, start};
 use crate::samples::{Samples, each};
@@ -125,7 +126,7 @@ impl<F: Filter<Dynamics = Strapdown>> Compiled for Of<F> {
         trace: &mut dyn Trace,
     ) -> Result<Traced, Error> {
         let setup = Setup { open: selection.open, ..*setup };
-        let mut pass = Box::new(Calibration::<F, Known>::new(&setup));
+        let mut pass = Box::new(Calibration::<F, Known>::with_prior(&setup, |_, _, sigma| sigma));
         let covariance = pass.covariance();
         let start = core::array::from_fn(|i| covariance[i][i].sqrt());
         pass.judge_as(about.gate);
@@ -136,10 +137,10 @@ impl<F: Filter<Dynamics = Strapdown>> Compiled for Of<F> {
             pass.step_observed(sample, &mut tracer).map(drop).map_err(diverged)
         })?;
         let mut relaxing = Vec::new();
-        relaxations::<F, f64>(|state, relaxation| {
-            relaxing.extend(selection.place(state).map(|place| (place, relaxation)));
+        relaxations::<F, f64>(|state, _| {
+            relaxing.extend(selection.place(state).map(|place| (place, pass.relaxing()[state])));
         });
-        Ok(Traced { gate: pass.gate(), start, relaxing })
+        Ok(Traced { gate: pass.gate(), start, relaxing, channels: Channels::of(F::MEASURES).names })
     }
 }
 

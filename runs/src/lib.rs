@@ -19,6 +19,7 @@
 //!
 //! This crate knows no file of a log and no simulator: samples come from whatever implements [`Samples`].
 
+mod channels;
 mod compiled;
 mod compose;
 mod driver;
@@ -36,6 +37,7 @@ mod tape;
 mod trace;
 mod vocabulary;
 
+pub use channels::Channels;
 pub use compiled::{About, Compiled, Selection};
 pub use compose::{ComposeError, Composition};
 pub use driver::{Watch, calibrate, calibrate_all};

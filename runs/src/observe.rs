@@ -94,7 +94,7 @@ pub(crate) fn look<F: Filter<Dynamics = Strapdown>>(
     let setup = &Setup { open: selection.open, ..*setup };
     // once for its length, so that nothing of it need be kept until the end is known
     let extent = extent(samples)?;
-    let mut run = Box::new(Calibration::<F, Conventional>::new(setup));
+    let mut run = Box::new(Calibration::<F, Conventional>::with_prior(setup, |_, _, sigma| sigma));
     let before = prior(&run);
     let mut information = Box::new(Information::new(&run));
     let mut segmenter = Segmenter::new(setup);

@@ -7,6 +7,7 @@ use calib_core::{
 };
 use sinscal::{Event, Gate, Observer, Point, Signals, Strapdown};
 
+use crate::channels::Channels;
 use crate::compiled::Selection;
 
 /// Leading states of a strapdown filter: attitude, velocity, position.
@@ -51,7 +52,7 @@ pub struct Measured<'a> {
 /// One scalar measurement.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Channel of the dynamics.
+    /// What it is of, by [`Channels`].
     pub channel: usize,
     /// Its row of the measurement matrix.
     pub h: Vec<f64>,
@@ -70,6 +71,8 @@ pub struct Traced {
     pub start: [f64; CORE],
     /// Parameters that are not constant, by their place in the selection.
     pub relaxing: Vec<(usize, Relaxation<f64>)>,
+    /// Names of what [`Row::channel`] counts.
+    pub channels: Vec<String>,
 }
 
 /// Tells a pass of filter `F`.
@@ -77,12 +80,19 @@ pub(crate) struct Tracer<'a, F> {
     selection: &'a Selection,
     to: &'a mut dyn Trace,
     rows: Vec<Row>,
+    channels: Channels,
     of: core::marker::PhantomData<fn() -> F>,
 }
 
 impl<'a, F: Filter<Dynamics = Strapdown>> Tracer<'a, F> {
     pub(crate) fn new(selection: &'a Selection, to: &'a mut dyn Trace) -> Self {
-        Self { selection, to, rows: Vec::new(), of: core::marker::PhantomData }
+        Self {
+            selection,
+            to,
+            rows: Vec::new(),
+            channels: Channels::of(F::MEASURES),
+            of: core::marker::PhantomData,
+        }
     }
 
     /// The columns of a row that take part.
@@ -125,8 +135,8 @@ impl<'a, F: Filter<Dynamics = Strapdown>> Tracer<'a, F> {
     ) {
         let matrix = measurement_rows::<F, f64>(at, signals);
         self.rows.clear();
-        for channel in 0..CORE {
-            if let Some(row) = F::row(channel).filter(|row| residuals.is_present(*row)) {
+        for &(channel, row) in &self.channels.rows {
+            if residuals.is_present(row) {
                 let mut h = Vec::with_capacity(CORE + self.selection.states.len());
                 self.columns(matrix[row].as_slice(), &mut h);
                 self.rows.push(Row { channel, h, z: residuals.values()[row], r: residuals.variances()[row] });

@@ -4,7 +4,7 @@ use quote::ToTokens;
 use syn::{GenericArgument, PathArguments, Type};
 
 use crate::ast::Declaration;
-use crate::attr::Kind;
+use crate::attr::{Kind, Measured};
 use crate::errors::Errors;
 use crate::layout::Layout;
 use crate::view::shown;
@@ -40,12 +40,24 @@ fn measures(declaration: &Declaration, errors: &mut Errors) {
         }
         return;
     };
-    if measures.names.is_empty() {
+    if measures.list.is_empty() {
         errors.at(&measures.keyword, "a filter measures something: `measures(velocity, position)`");
     }
-    for (i, name) in measures.names.iter().enumerate() {
-        if measures.names[..i].contains(name) {
-            errors.at(name, format_args!("`{name}` is measured twice"));
+    for (i, measured) in measures.list.iter().enumerate() {
+        let text = shown(measured);
+        if measures.list[..i].iter().any(|earlier| shown(earlier) == text) {
+            errors.at(measured, format_args!("`{text}` is measured twice"));
+        }
+        let Measured::Ours(name) = measured else { continue };
+        match Measured::named(name) {
+            Err(words) => errors.at(name, words),
+            Ok(ty) if declaration.attrs.krate.is_some() => errors.at(
+                name,
+                format_args!(
+                    "with `crate` measurements are named by their types, `sinscal::measurements::{ty}`"
+                ),
+            ),
+            Ok(_) => {}
         }
     }
 }

@@ -41,7 +41,7 @@ fn expand(layout: &Layout) -> TokenStream {
         #view
         const _: () = {
             #[allow(unused_imports)]
-            use #core::declare::{Baseless as _, Misfit as _, Other as _, Unrelated as _};
+            use #core::declare::{Baseless as _, Misfit as _, Other as _, Unmeasured as _, Unrelated as _};
             #parts
             #measures
             #(#belong)*
@@ -69,23 +69,36 @@ fn parts(layout: &Layout) -> TokenStream {
     }
 }
 
-/// The measurements, as indices.
+/// What is measured, and the demand that every measurement be one of the declaration's dynamics.
 fn measures(layout: &Layout) -> TokenStream {
-    let Layout { declaration, core, .. } = layout;
-    let measures = match (&declaration.attrs.measures, declaration.base()) {
-        (Some(measures), _) => {
-            let channels = channels(layout);
-            let names = measures.names.iter().map(|name| name.unraw().to_string());
-            quote!(&[#(#core::declare::channel(#channels, #names)),*])
-        }
-        (None, Some(Field { ty, .. })) => {
-            quote!(#core::declare::inherited(#core::declare::Base::<#ty>::MEASURES))
-        }
-        (None, None) => quote!(&[]),
+    let Layout { declaration, core, dynamics, .. } = layout;
+    let Some(types) = layout.measured() else {
+        let base = declaration.base().map(|field| field.ty);
+        return quote! {
+            const MEASURES: &[#core::MeasurementInfo] =
+                #core::declare::inherited(#core::declare::Base::<#base>::MEASURES);
+        };
     };
+    let rules = types.iter().enumerate().map(|(k, ty)| {
+        let own = at(core, ty.span());
+        let fit = quote_spanned! {ty.span()=>
+            #own::declare::Fit::<<#ty as #own::Measurement>::Dynamics, #dynamics>::SAME
+        };
+        let known = quote!(#core::declare::Family::<#dynamics>::KNOWN);
+        rule(core, ends(ty), quote!(#core::declare::measurement(MEASURES, #k, #fit || !#known)))
+    });
     quote! {
-        const MEASURES: &[usize] = #measures;
+        const MEASURES: &[#core::MeasurementInfo] =
+            &[#(#core::declare::Measured::<#types, #dynamics>::INFO),*];
+        #(#rules)*
     }
+}
+
+/// The first and the last place of tokens in the source.
+fn ends(tokens: &TokenStream) -> (Span, Span) {
+    let mut tokens = tokens.clone().into_iter().map(|token| token.span());
+    let first = tokens.next().unwrap_or_else(Span::call_site);
+    (first, tokens.last().unwrap_or(first))
 }
 
 /// The constants that judge the fields, the measurements and the whole.
@@ -107,13 +120,6 @@ fn rules(layout: &Layout) -> TokenStream {
         let size = of_family(layout, "CORE");
         let whole = quote!(#core::declare::filter(&PARTS, #leading, #size));
         rules.extend(rule(core, (ident.span(), ident.span()), whole));
-        let channels = channels(layout);
-        let family = of_family(layout, "KNOWN");
-        for name in attrs.measures.iter().flat_map(|measures| &measures.names) {
-            let text = name.unraw().to_string();
-            let known = quote!(#core::declare::measurement(#channels, #text, #family));
-            rules.extend(rule(core, (name.span(), name.span()), known));
-        }
     }
     let offsets = fields.iter().map(|field| field.ident);
     rules.extend(quote! {
@@ -212,20 +218,62 @@ fn counted(layout: &Layout) -> TokenStream {
 }
 
 fn filter(layout: &Layout) -> TokenStream {
-    let Layout { declaration, core, .. } = layout;
+    let Layout { declaration, core, dynamics, .. } = layout;
     let ident = declaration.ident;
     let clause = clause(layout);
     let size = of_family(layout, "CORE");
-    let channels = channels(layout);
+    let point = of_dynamics(layout, "Point");
+    let (residual, jacobian) = match layout.measured() {
+        Some(types) => {
+            let places: Vec<usize> = (0..types.len()).collect();
+            let residuals = quote! {
+                match measured {
+                    #(#places => #core::declare::Measured::<#types, #dynamics>::residual::<T>(at, reading, put),)*
+                    _ => {}
+                }
+            };
+            let jacobians = quote! {
+                #(#core::declare::Measured::<#types, #dynamics>::jacobian::<T>(MEASURES, #places, at, put);)*
+            };
+            (residuals, jacobians)
+        }
+        None => {
+            let base = declaration.base().map(|field| field.ty);
+            (
+                quote!(#core::declare::Base::<#base>::residual::<T>(measured, at, reading, put);),
+                quote!(#core::declare::Base::<#base>::residual_jacobian::<T>(at, put);),
+            )
+        }
+    };
     quote! {
         #[automatically_derived]
         impl #core::Filter for #ident #clause {
             type Shape = #core::Dim<
                 { #core::declare::dim(&PARTS) },
                 { #size },
-                { #core::declare::rows(#channels, MEASURES) },
+                { #core::declare::rows(MEASURES) },
             >;
-            const MEASURES: &'static [usize] = MEASURES;
+            const MEASURES: &'static [#core::MeasurementInfo] = MEASURES;
+
+            #[inline]
+            fn residual<T: #core::Real>(
+                measured: usize,
+                at: &#point,
+                reading: &[T],
+                put: &mut impl ::core::ops::FnMut(usize, T),
+            ) {
+                let _ = (measured, at, reading, &put);
+                #residual
+            }
+
+            #[inline(always)]
+            fn residual_jacobian<T: #core::Real>(
+                at: &#point,
+                put: &mut impl ::core::ops::FnMut(usize, usize, T),
+            ) {
+                let _ = (at, &put);
+                #jacobian
+            }
         }
     }
 }
@@ -269,10 +317,6 @@ fn at(tokens: &TokenStream, span: Span) -> TokenStream {
     let mut tokens: Vec<TokenTree> = tokens.clone().into_iter().collect();
     tokens.iter_mut().for_each(|token| token.set_span(span));
     tokens.into_iter().collect()
-}
-
-fn channels(layout: &Layout) -> TokenStream {
-    of_family(layout, "CHANNELS")
 }
 
 /// A constant of the dynamics, which says nothing where they are none.

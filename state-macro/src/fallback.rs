@@ -24,7 +24,17 @@ pub(crate) fn expand(input: &DeriveInput, attrs: &Attributes) -> Option<TokenStr
             #[automatically_derived]
             impl #implemented #core::Filter for #ident #ty #clause {
                 type Shape = #core::Dim<0, 0, 0>;
-                const MEASURES: &'static [usize] = &[];
+                const MEASURES: &'static [#core::MeasurementInfo] = &[];
+                fn residual<Scalar: #core::Real>(
+                    _: usize,
+                    _: &<<Self as #core::Block>::Dynamics as #core::Dynamics>::Point<Scalar>,
+                    _: &[Scalar],
+                    _: &mut impl ::core::ops::FnMut(usize, Scalar),
+                ) {}
+                fn residual_jacobian<Scalar: #core::Real>(
+                    _: &<<Self as #core::Block>::Dynamics as #core::Dynamics>::Point<Scalar>,
+                    _: &mut impl ::core::ops::FnMut(usize, usize, Scalar),
+                ) {}
             }
         }
     });

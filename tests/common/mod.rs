@@ -20,20 +20,19 @@ impl Numbers {
 
 pub(crate) fn setup() -> Setup<'static> {
     Setup {
-        rate: 100.0,
-        site: Site { latitude: 0.56, longitude: 2.07, height: 20.0 },
-        initial: InitialAttitude {
-            attitude: UnitQuaternion::from_euler_angles(0.3, -0.2, 1.1),
-            level_sigma: 5e-4,
-            heading_sigma: 2e-3,
-        },
-        reference: ReferenceSigma { velocity: 1e-3, position: 2e-3, attitude: 1e-4 },
         update_rate: 2.0,
-        noise: SensorNoise { angle_random_walk: 3e-7, velocity_random_walk: 5e-5 },
-        reference_temperature: 25.0,
         outer_lever: Vector3::new(0.1, -0.2, 0.05),
-        priors: &[],
-        open: sinscal::OpenBlocks::NONE,
+        ..Setup::new(
+            100.0,
+            Site { latitude: 0.56, longitude: 2.07, height: 20.0 },
+            InitialAttitude {
+                attitude: UnitQuaternion::from_euler_angles(0.3, -0.2, 1.1),
+                level_sigma: 5e-4,
+                heading_sigma: 2e-3,
+            },
+            ReferenceSigma { velocity: 1e-3, position: 2e-3, attitude: 1e-4 },
+            SensorNoise { angle_random_walk: 3e-7, velocity_random_walk: 5e-5 },
+        )
     }
 }
 

@@ -7,8 +7,7 @@ struct Train;
 impl Dynamics for Train {
     const CORE: usize = 2;
     const INPUTS: usize = 0;
-    const CHANNELS: &'static [ChannelGroup] =
-        &[ChannelGroup { name: "range", first: 0, components: &["x"], unit: "m" }];
+    const CHANNELS: usize = 1;
     const NEEDS: &'static [Need] = &[
         Need { any_of: &[Place::NAME], message: "a train has a place" },
         Need { any_of: &[Speed::NAME], message: "a train has a speed" },
@@ -18,6 +17,20 @@ impl Dynamics for Train {
     fn core_jacobian<T: Real>(_: &(), _: &mut impl FnMut(usize, usize, T)) {}
     fn inject<T: Real>(_: &(), _: usize, _: T, _: &mut impl FnMut(usize, T)) {}
     fn measurement_jacobian<T: Real>(_: &(), _: &mut impl FnMut(usize, usize, T)) {}
+}
+
+struct Range;
+
+impl Measurement for Range {
+    type Dynamics = Train;
+    const INFO: MeasurementInfo = MeasurementInfo {
+        name: "range",
+        components: &["x"],
+        unit: "m",
+        columns: &["range"],
+        sigma: 1.0,
+        channels: Some(0),
+    };
 }
 
 macro_rules! block {
@@ -42,27 +55,27 @@ block!(Clock, 1, "clock", &[]);
 
 #[derive(StateBlocks)]
 #[filter(dynamics = Train, measures(velocity))]
-struct UnknownMeasurement {
+struct OtherMeasurement {
     place: Place,
     speed: Speed,
 }
 
 #[derive(StateBlocks)]
-#[filter(dynamics = Train, measures(range))]
+#[filter(dynamics = Train, measures(Range))]
 struct TooManyStates {
     place: Place,
     speed: PlaneSpeed,
 }
 
 #[derive(StateBlocks)]
-#[filter(dynamics = Train, measures(range))]
+#[filter(dynamics = Train, measures(Range))]
 struct RelaxingCore {
     place: Place,
     speed: SlowingSpeed,
 }
 
 #[derive(StateBlocks)]
-#[filter(dynamics = Train, measures(range))]
+#[filter(dynamics = Train, measures(Range))]
 struct OtherDynamics {
     place: Place,
     speed: Speed,

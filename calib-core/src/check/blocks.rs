@@ -69,12 +69,12 @@ impl core::error::Error for Faults {}
 /// - Every state has a unit and a unit of data sheets with a size, and a prior that is a number; no two of a block have one name.
 ///
 /// ```
-/// # use calib_core::{Block, BlockView, ChannelGroup, Dynamics, Need, Real, StateInfo, check};
+/// # use calib_core::{Block, BlockView, Dynamics, Need, Real, StateInfo, check};
 /// # struct Rail;
 /// # impl Dynamics for Rail {
 /// #     const CORE: usize = 1;
 /// #     const INPUTS: usize = 1;
-/// #     const CHANNELS: &'static [ChannelGroup] = &[];
+/// #     const CHANNELS: usize = 0;
 /// #     const NEEDS: &'static [Need] = &[];
 /// #     type Signals<T: Real> = ();
 /// #     type Point<T: Real> = ();
@@ -190,8 +190,7 @@ where
         let dim = F::DIM;
         found.push(format!("its shape has {states} states, {leading} of them leading, for {dim} and {core}"));
     }
-    let groups = F::Dynamics::CHANNELS;
-    let rows: usize = F::MEASURES.iter().filter_map(|k| groups.get(*k)).map(|g| g.components.len()).sum();
+    let rows: usize = F::MEASURES.iter().map(|info| info.components.len()).sum();
     if rows != F::Shape::ROWS {
         found.push(format!("its shape has {} measurement rows for {rows}", F::Shape::ROWS));
     }

@@ -5,8 +5,8 @@ use nalgebra::DMatrix;
 
 use super::Mismatch;
 use crate::{
-    Array, Conventional, Dynamics, Entries, Fade, Filter, Form, Kalman, Matrix, Measurement, MeasurementRows,
-    Shape, Transition, Ud, Vector, measurement_rows, relaxations,
+    Array, Conventional, Dynamics, Entries, Fade, Filter, Form, Kalman, Matrix, MeasurementRows,
+    MeasurementVector, Shape, Transition, Ud, Vector, measurement_rows, relaxations,
 };
 
 /// Cycles until everything is correlated, and cycles more until two covariances are compared.
@@ -64,7 +64,7 @@ struct Cycle<F: Filter> {
     transition: Transition<F, f64>,
     noise: <F::Shape as Shape>::CoreMatrix<f64>,
     h: MeasurementRows<F, f64>,
-    r: Measurement<F, f64>,
+    r: MeasurementVector<F, f64>,
 }
 
 impl<F: Filter> Cycle<F> {

@@ -1,8 +1,8 @@
 //! The rules across the fields of a declaration. Each function judges one field, or one name, or the whole.
 
-use super::text::{distance, equal};
+use super::text::equal;
 use super::{Part, Role, Text, meets};
-use crate::{ChannelGroup, Need, Relaxation};
+use crate::{MeasurementInfo, Need, Relaxation};
 
 /// What is wrong with the dynamics of a field, which `fit` those of the declaration, or do not.
 pub const fn belongs(field: &str, family: &str, fit: bool) -> Text {
@@ -95,33 +95,20 @@ pub const fn filter(parts: &[Part], leading: &[Need], core: usize) -> Text {
     if states == core { text } else { wrong_core(states, core) }
 }
 
-/// What is wrong with measuring `name` when there are `groups`, those of dynamics that are `known`.
-pub const fn measurement(groups: &[ChannelGroup], name: &str, known: bool) -> Text {
-    if !known {
-        return Text::EMPTY;
+/// What is wrong with the measurement at place `k`, of dynamics that `fit` those of the declaration, or do not: two of one name could
+/// not be told apart.
+pub const fn measurement(measures: &[MeasurementInfo], k: usize, fit: bool) -> Text {
+    if !fit {
+        return Text::EMPTY.with("a measurement of other dynamics than the declaration");
     }
-    let mut nearest = "";
-    let mut least = name.len() / 2 + 1;
-    let mut list = Text::EMPTY;
-    let mut k = 0;
-    while k < groups.len() {
-        if equal(groups[k].name, name) {
-            return Text::EMPTY;
+    let mut i = 0;
+    while i < k {
+        if !measures[k].components.is_empty() && equal(measures[i].name, measures[k].name) {
+            return Text::EMPTY.with("two measurements with the name ").with_name(measures[k].name);
         }
-        let edits = distance(groups[k].name, name);
-        if edits < least {
-            (nearest, least) = (groups[k].name, edits);
-        }
-        list = if list.is_empty() { list } else { list.with(", ") };
-        list = list.with(groups[k].name);
-        k += 1;
+        i += 1;
     }
-    let text = Text::EMPTY
-        .with("measurement ")
-        .with_name(name)
-        .with(" that no block supports: these dynamics measure ")
-        .with(if list.is_empty() { "nothing" } else { list.as_str() });
-    if nearest.is_empty() { text } else { text.with("; did you mean ").with_name(nearest).with("?") }
+    Text::EMPTY
 }
 
 /// Whether a base is no filter.

@@ -4,7 +4,9 @@
 //! velocity, a beacon adds its own place to the position residual.
 #![allow(dead_code, reason = "each test uses its part of the family")]
 
-use calib_core::{Block, BlockView, ChannelGroup, Dynamics, Need, Real, Relaxation, StateInfo};
+use calib_core::{
+    Block, BlockView, Dynamics, Measurement, MeasurementInfo, Need, Real, Relaxation, StateInfo,
+};
 
 pub(crate) struct Rail;
 
@@ -16,10 +18,7 @@ pub(crate) struct Force<T> {
 impl Dynamics for Rail {
     const CORE: usize = 2;
     const INPUTS: usize = 1;
-    const CHANNELS: &'static [ChannelGroup] = &[
-        ChannelGroup { name: "position", first: 0, components: &["x"], unit: "m" },
-        ChannelGroup { name: "velocity", first: 1, components: &["x"], unit: "m/s" },
-    ];
+    const CHANNELS: usize = 2;
     const NEEDS: &'static [Need] = &[
         Need { any_of: &[Place::NAME], message: "a cart begins with `Place`" },
         Need { any_of: &[Speed::NAME], message: "then `Speed`" },
@@ -38,6 +37,38 @@ impl Dynamics for Rail {
         put(1, 1, T::one());
     }
 }
+
+macro_rules! measurement {
+    ($name:ident, $text:literal, $channels:expr, $unit:literal, { $($item:tt)* }) => {
+        pub(crate) struct $name;
+        impl Measurement for $name {
+            type Dynamics = Rail;
+            const INFO: MeasurementInfo = MeasurementInfo {
+                name: $text,
+                components: &["x"],
+                unit: $unit,
+                columns: &[$text],
+                sigma: 0.1,
+                channels: $channels,
+            };
+            $($item)*
+        }
+    };
+}
+
+measurement!(PlaceSeen, "place", Some(0), "m", {
+    fn residual<T: Real>(_: &(), reading: &[T], put: &mut impl FnMut(usize, T)) {
+        put(0, -reading[0]);
+    }
+});
+measurement!(SpeedSeen, "speed", Some(1), "m/s", {});
+// place and three times speed
+measurement!(Sum, "sum", None, "1", {
+    fn jacobian<T: Real>(_: &(), put: &mut impl FnMut(usize, usize, T)) {
+        put(0, 0, T::one());
+        put(0, 1, T::of(3.0));
+    }
+});
 
 const fn info(block: &'static str, unit: &'static str) -> StateInfo {
     StateInfo { block, component: "", unit, prior_sigma: 1.0, sheet_unit: unit, sheet_scale: 1.0 }
