@@ -3,7 +3,7 @@
 //! The effect: accelerometers behind a rubber mount read more the faster the unit turns, `d_f_i = k_i |omega| f_i`, and
 //! the mount's stiffness wanders: k forgets within ten minutes. Run it with `cargo run --release --example add_a_block`.
 
-use sinscal::check::{Model, compare, dual_jacobian};
+use sinscal::check::{self, Model};
 use sinscal::prelude::*;
 use sinscal::{FORCE, Signals};
 
@@ -46,17 +46,15 @@ impl Block for MountSoftness {
     }
 }
 
-/// The effect as one would write it down, for the check.
-struct Reading {
-    signals: Signals<f64>,
-}
+/// What the sensors read, as one would write it down, for the check.
+struct Reading(Signals<f64>);
 
-impl Model<3, 3> for Reading {
-    fn value<T: Real>(&self, k: &[T; 3]) -> [T; 3] {
-        let w = self.signals.rate.map(T::of);
-        let f = self.signals.force.map(T::of);
+impl Model<3, 6> for Reading {
+    fn value<T: Real>(&self, k: &[T; 3]) -> [T; 6] {
+        let (w, f) = (self.0.rate.map(T::of), self.0.force.map(T::of));
         let speed = (w.x * w.x + w.y * w.y + w.z * w.z).sqrt();
-        core::array::from_fn(|i| f[i] * (T::one() + k[i] * speed))
+        let force = |i: usize| f[i] * (T::one() + k[i] * speed);
+        [w.x, w.y, w.z, force(0), force(1), force(2)]
     }
 }
 
@@ -69,16 +67,10 @@ struct MountedUnit {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let signals = Signals {
-        rate: nalgebra::Vector3::new(0.2, -0.1, 0.3),
-        force: nalgebra::Vector3::new(1.0, -2.0, 9.5),
-        ..Signals::default()
-    };
-    let mut jacobian = [[0.0; 3]; 3];
-    MountSoftness::input_jacobian(&signals, &mut |input, state, value| {
-        jacobian[input - FORCE][state] = value
-    });
-    compare(&jacobian, &dual_jacobian(&Reading { signals }, &[0.0; 3]), 1e-12)?;
-    println!("the Jacobian of MountSoftness is right; {} has {} states", MountedUnit::NAME, MountedUnit::DIM);
+    let signals =
+        Signals { rate: [0.2, -0.1, 0.3].into(), force: [1.0, -2.0, 9.5].into(), ..Signals::default() };
+    check::inputs::<MountSoftness, 3, 6>(&signals, &Reading(signals), 1e-12)?;
+    println!("the Jacobian is right: {}", check::block::<MountSoftness>()?);
+    println!("{}", check::filter::<MountedUnit>()?);
     Ok(())
 }

@@ -170,16 +170,15 @@ pub use calib_core;
 pub use calib_core::check;
 pub use calib_core::{
     Block, BlockView, BlockVisitor, ChannelGroup, Conventional, Counted, Dim, Dynamics, Estimate, Extended,
-    Filter, Form, Innovation, Kalman, Leaf, Need, Real, Relaxation, Residuals, Shape, StateInfo, Transition,
-    Ud, View, declares, first_state, leaves, relaxations, relaxes,
+    Fault, Filter, Flaw, Form, Innovation, Kalman, Leaf, Need, Real, Relaxation, Residuals, Shape, StateInfo,
+    Transition, Ud, View, declares, first_state, leaves, relaxations, relaxes,
 };
 pub use calibration::{Calibration, Known};
 #[cfg(feature = "std")]
 pub use coarse::{Coarse, CoarseCalibration, CoarseError, CoarseParameter, UnknownPulses};
 pub use compensation::{Compensator, input_errors};
 pub use effects::{
-    AnyBlock, AnyEffect, CATALOGUE, Catalogue, EFFECTS, Effect, EffectInfo, FurtherEffects, Kind, any_effect,
-    effect,
+    AnyBlock, AnyEffect, CATALOGUE, Catalogue, EFFECTS, Effect, EffectInfo, Kind, any_effect, effect,
 };
 pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
@@ -195,7 +194,7 @@ pub use signals::{Point, Signals};
 #[cfg(feature = "std")]
 pub use smoothing::{Smoothed, Smoother, Tape};
 pub use state_macro::StateBlocks;
-pub use strapdown_model::{FORCE, RATE, Strapdown};
+pub use strapdown_model::{FORCE, RATE, Strapdown, probe};
 
 /// What a declaration needs: `use sinscal::prelude::*;`.
 pub mod prelude {

@@ -1,6 +1,6 @@
 //! The strapdown error model as a family of dynamics.
 
-use calib_core::{Block, ChannelGroup, Dynamics, Need, Real, declares};
+use calib_core::{Block, ChannelGroup, Dynamics, Fault, Need, Real, declares};
 use nalgebra::Vector3;
 
 use crate::{Attitude, Dither, Point, Position, Signals, Velocity, tables};
@@ -77,4 +77,13 @@ impl Dynamics for Strapdown {
     fn measure_input<T: Real>(at: &Point<T>, input: usize, value: T, put: &mut impl FnMut(usize, T)) {
         tables::strapdown_residual_input::measure_input(at, input, value, put);
     }
+}
+
+/// Looks at every block of a strapdown filter or group once: do its states, Jacobians and relaxations keep to what it says of
+/// itself? For whoever sets a filter up that others have declared; [`Calibration`](crate::Calibration) relies on it.
+///
+/// # Errors
+/// The first fault, with the name of the block.
+pub fn probe<F: Block<Dynamics = Strapdown>>() -> Result<(), Fault> {
+    calib_core::probe::<F>(&Point::default(), &Signals::default())
 }

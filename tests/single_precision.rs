@@ -48,6 +48,7 @@ fn instant<T: Real>(t: f64) -> (Point<T>, Signals<T>) {
     let signals = Signals {
         rate: of(rate_eb + c_bn.transpose() * earth::rotation_n(latitude)),
         angular_acceleration: Vector3::zeros(),
+        force_rate: Vector3::zeros(),
         force: of(c_bn.transpose() * gravity),
         temperature: of(Vector3::new(warm, warm + 2.0, warm - 1.0)),
         temperature_rate: Vector3::zeros(),

@@ -5,12 +5,12 @@
 
 use core::marker::PhantomData;
 
-use crate::{Block, BlockVisitor, ChannelGroup, Dynamics, Filter, Need, Real, StateInfo};
+use crate::{Block, BlockVisitor, ChannelGroup, Dynamics, Filter, Need, Real, Relaxation, StateInfo};
 
 mod rules;
 mod text;
 
-pub use rules::{filter, filter_field, group_field, measurement};
+pub use rules::{belongs, filter, filter_field, group_field, measurement};
 pub use text::Text;
 use text::equal;
 
@@ -23,7 +23,7 @@ pub struct Part {
     block: &'static str,
     dim: usize,
     needs: &'static [Need],
-    relaxing: usize,
+    relaxations: &'static [(usize, Relaxation<f64>)],
     /// None for a block that is written by hand.
     parts: &'static [Part],
     known: bool,
@@ -43,7 +43,7 @@ impl Part {
         block: "",
         dim: 0,
         needs: &[],
-        relaxing: 0,
+        relaxations: &[],
         parts: &[],
         known: false,
         repeated: false,
@@ -56,7 +56,7 @@ impl Part {
             block: B::NAME,
             dim: B::DIM,
             needs: B::NEEDS,
-            relaxing: B::RELAXATIONS.len(),
+            relaxations: B::RELAXATIONS,
             parts: B::PARTS,
             known: true,
             ..Self::UNKNOWN
@@ -95,7 +95,7 @@ impl Part {
             }
             i += 1;
         }
-        self.relaxing > 0
+        !self.relaxations.is_empty()
     }
 
     const fn is_base(&self) -> bool {
@@ -106,7 +106,7 @@ impl Part {
 /// The block `B` as a field of a declaration with dynamics `D`.
 ///
 /// Where `B` is a block of these dynamics the items are inherent; where it is not they come from [`Misfit`] and do
-/// nothing. So the one line that demands a block of the right dynamics, [`Same::SAME`], is the only one to fail,
+/// nothing. So the one line that demands a block of the right dynamics, [`belongs`], is the only one to fail,
 /// and the rules still judge the other fields.
 pub struct Field<B, D>(PhantomData<(B, D)>);
 
@@ -190,18 +190,49 @@ pub trait Baseless {
 
 impl<B> Baseless for Base<B> {}
 
-/// The dynamics of a field are those of the declaration.
-#[diagnostic::on_unimplemented(
-    message = "a block of other dynamics: it belongs to `{Self}`, the declaration to `{D}`",
-    label = "its dynamics are `{Self}`",
-    note = "`#[filter(dynamics = ...)]` or `#[group(dynamics = ...)]` names the dynamics of a declaration"
-)]
-pub trait Same<D> {
-    /// Exists.
-    const SAME: () = ();
+/// The dynamics of a declaration, which are dynamics or else [`Unrelated`].
+pub struct Family<D>(PhantomData<D>);
+
+impl<D: Dynamics> Family<D> {
+    /// They are dynamics.
+    pub const KNOWN: bool = true;
+    /// [`Dynamics::CORE`].
+    pub const CORE: usize = D::CORE;
+    /// [`Dynamics::CHANNELS`].
+    pub const CHANNELS: &'static [ChannelGroup] = D::CHANNELS;
+    /// [`Dynamics::NEEDS`].
+    pub const NEEDS: &'static [Need] = D::NEEDS;
 }
 
-impl<D> Same<D> for D {}
+/// A [`Family`] that is none: the one line that demands dynamics is the only one to fail.
+pub trait Unrelated {
+    /// They are none.
+    const KNOWN: bool = false;
+    /// No states.
+    const CORE: usize = 0;
+    /// Nothing to measure.
+    const CHANNELS: &'static [ChannelGroup] = &[];
+    /// No rules.
+    const NEEDS: &'static [Need] = &[];
+}
+
+impl<D> Unrelated for Family<D> {}
+
+/// The dynamics of a field beside those of the declaration: the same or else [`Other`].
+pub struct Fit<A, B>(PhantomData<(A, B)>);
+
+impl<D> Fit<D, D> {
+    /// They are the same.
+    pub const SAME: bool = true;
+}
+
+/// A [`Fit`] of two.
+pub trait Other {
+    /// They are not.
+    const SAME: bool = false;
+}
+
+impl<A, B> Other for Fit<A, B> {}
 
 /// Where each part begins.
 pub const fn offsets<const N: usize>(parts: &[Part; N]) -> [usize; N] {

@@ -130,7 +130,7 @@ impl<const N: usize, const C: usize, const M: usize> Shape for Dim<N, C, M> {
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a declared filter",
     label = "no declared filter",
-    note = "a filter is a struct with `#[derive(StateBlocks)]` and `#[filter(measures(...))]`"
+    note = "a filter is a struct with `#[derive(StateBlocks)]` and `#[filter(measures(...))]`; one with `#[group]` is a part of filters"
 )]
 pub trait Filter: Block {
     /// The sizes of the filter.

@@ -3,8 +3,8 @@
 use core::marker::PhantomData;
 
 use crate::{
-    Array, Conventional, CoreVector, Dynamics, Fade, Filter, Form, Matrix, Measurement, MeasurementMatrix,
-    MeasurementRows, Real, Shape, Transition, Vector, relaxations, relaxes,
+    Array, Block, BlockVisitor, Conventional, CoreVector, Dynamics, Fade, Filter, Form, Matrix, Measurement,
+    MeasurementMatrix, MeasurementRows, Real, Shape, Transition, Vector, relaxations, relaxes,
 };
 
 /// Residuals of a declared filter's measurements, assembled channel by channel.
@@ -128,13 +128,12 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
     }
 
     /// Prior standard deviations of the declaration's blocks.
+    ///
+    /// # Panics
+    /// When a block describes more or fewer states than it has: the message names it. [`probe`](crate::probe()) returns it.
     pub fn prior() -> Vector<F, T> {
         let mut sigmas = F::Shape::vector(T::zero());
-        let mut i = 0;
-        F::states(&mut |info| {
-            sigmas[i] = T::of(info.prior_sigma);
-            i += 1;
-        });
+        F::blocks(0, &mut Prior(sigmas.as_mut_slice()));
         sigmas
     }
 
@@ -322,6 +321,22 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
             nis += e[i] * e[i];
         }
         Ok(nis)
+    }
+}
+
+/// Where the states' prior standard deviations go.
+struct Prior<'a, T>(&'a mut [T]);
+
+impl<D: Dynamics, T: Real> BlockVisitor<D> for Prior<'_, T> {
+    fn visit<B: Block<Dynamics = D>>(&mut self, first: usize) {
+        let mut described = 0;
+        B::states(&mut |info| {
+            if described < B::DIM {
+                self.0[first + described] = T::of(info.prior_sigma);
+            }
+            described += 1;
+        });
+        assert!(described == B::DIM, "block `{}` describes {described} states, `DIM` is {}", B::NAME, B::DIM);
     }
 }
 

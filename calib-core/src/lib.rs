@@ -17,6 +17,7 @@ mod form;
 mod kalman;
 mod machine;
 mod observability;
+mod probe;
 mod real;
 mod tile;
 mod transition;
@@ -35,6 +36,7 @@ pub use filter::{
 pub use form::{Fade, Form, Whitened};
 pub use kalman::{Innovation, Kalman, NotPositiveDefinite, Residuals, measurement_rows};
 pub use observability::{Decomposition, ObservabilityRows, Triangle, system_rows};
+pub use probe::{Fault, Flaw, faults, probe};
 pub use real::Real;
 pub use transition::Transition;
 pub use ud::Ud;

@@ -9,6 +9,7 @@ use miette::Result;
 use rig::Scenario;
 use runs::AnyFilter;
 
+use crate::compose::Change;
 use crate::output::Target;
 use crate::vocabulary::vocabulary;
 use crate::{say, scenario};
@@ -75,7 +76,16 @@ pub(crate) fn tell(log: &Log) {
 pub(crate) struct FilterArgument {
     /// The filter; `sinscal filters` describes them
     #[arg(long, value_name = "NAME", ignore_case = true, value_parser = filter())]
-    pub(crate) filter: Arc<dyn AnyFilter>,
+    filter: Arc<dyn AnyFilter>,
+    #[command(flatten)]
+    change: Change,
+}
+
+impl FilterArgument {
+    /// The filter with what was added to it.
+    pub(crate) fn filter(&self) -> Result<Arc<dyn AnyFilter>> {
+        self.change.of(&self.filter)
+    }
 }
 
 /// Finds a filter by its name, without regard to case.

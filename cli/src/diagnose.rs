@@ -5,14 +5,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
-use gap::menu::menu_named;
+use gap::menu::Menu;
 use gap::{Diagnosis, LogGap, Options, Verdict};
 use miette::{IntoDiagnostic, Report, Result, miette};
 use runs::AnyFilter;
 
 use crate::arguments::{self, Columns, Results};
+use crate::compose::Change;
 use crate::origin::{Documented as _, inputs};
 use crate::source::{Source, unreadable};
+use crate::vocabulary::vocabulary;
 use crate::{say, self_test, setup};
 use logs::Log;
 use reports::diagnosis::{self, tenths};
@@ -42,6 +44,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME", ignore_case = true, required_unless_present = "self_test",
           value_parser = arguments::filter())]
     filter: Option<Arc<dyn AnyFilter>>,
+    #[command(flatten)]
+    change: Change,
     /// A second log of the same unit, on another path or day, to confirm what the first one shows
     #[arg(long, value_name = "LOG2")]
     verify: Option<PathBuf>,
@@ -67,11 +71,12 @@ fn fault(log: &Log, error: gap::Error) -> miette::Report {
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let target = self.results.target()?;
-        let (log, filter) = match (&self.log, self.filter) {
-            (Some(log), Some(filter)) => (log, filter),
+        let (log, filter) = match (&self.log, &self.filter) {
+            (Some(log), Some(filter)) => (log, self.change.of(filter)?),
             // the parser of the command line lets nothing else through
             _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, &target),
         };
+        let filter = &*filter;
         let open = |log: &Path| arguments::open(log, &self.columns.map());
         let first = open(log)?;
         let second = self.verify.as_deref().map(open).transpose()?;
@@ -87,30 +92,33 @@ impl Arguments {
             .map(|(samples, setup)| gap::Log { samples, setup });
         let bar = say::progress_bar(100, "diagnosing");
         let options = Options { seed: self.seed, ..Options::default() };
-        let found =
-            gap::diagnose_named(filter.name(), &log, verify.as_ref(), &options, &mut |stage, done| {
-                bar.set_message(stage);
-                bar.set_position((100.0 * done) as u64);
-            });
+        let effects = vocabulary().effects();
+        let found = gap::diagnose(filter, effects, &log, verify.as_ref(), &options, &mut |stage, done| {
+            bar.set_message(stage);
+            bar.set_position((100.0 * done) as u64);
+        });
         bar.finish_and_clear();
-        let mut found = found
-            .ok_or_else(|| miette!("there is no filter called {}", filter.name()))?
-            .map_err(|error| {
-                fault(second.as_ref().filter(|_| error.is_of_verification()).unwrap_or(&first), error)
-            })?;
+        let mut found = found.map_err(|error| {
+            fault(second.as_ref().filter(|_| error.is_of_verification()).unwrap_or(&first), error)
+        })?;
         if matches!(found.verdict, Verdict::Ambiguous | Verdict::NotConfirmed) {
-            plan(filter.name(), &mut found)?;
+            plan(filter, &mut found)?;
         }
         if let (Some(folder), Some(_)) = (&self.results.out, &found.source) {
             found.declaration = Some(folder.join(DECLARATION).display().to_string());
         }
+        let next = self.results.out.as_deref().filter(|_| found.verdict == Verdict::EffectsFound).map(|out| {
+            let from = out.join("diagnosis.json");
+            let (from, name) = (from.display(), filter.name());
+            format!("  sinscal calibrate LOG --filter {name} --with {from}\n  sinscal new my-unit --from {from}")
+        });
         let json = serde_json::to_string_pretty(&found).into_diagnostic()? + "\n";
-        target.write("diagnosis", &json, &text(&found), &found.sentence, |files, folder| {
+        target.write("diagnosis", &json, &text(&found, next.as_deref()), &found.sentence, |files, folder| {
             if let Some(source) = &found.source {
                 files.write(&folder.join(DECLARATION), |file| file.write_all(source.as_bytes()))?;
             }
             let table = first.table().display();
-            let mut page = diagnosis::report(&found, format!("What {} lacks on {table}", filter.name()));
+            let mut page = diagnosis::report(&found, format!("What {} lacks on {table}", filter.title()));
             page.sections.push(inputs(&first)?.section());
             page = page.with_program().with("seed", self.seed.to_string()).with_log(&first);
             if let Some(second) = &second {
@@ -122,16 +130,18 @@ impl Arguments {
 }
 
 /// Where the log does not decide, the run that would: simulated, so it is worth its seconds only then.
-fn plan(filter: &str, found: &mut Diagnosis) -> Result<()> {
-    let Some(menu) = menu_named(filter) else { return Ok(()) };
-    let menu = menu.into_diagnostic()?;
+fn plan(filter: &dyn AnyFilter, found: &mut Diagnosis) -> Result<()> {
+    if filter.measures() != ["velocity", "position"] {
+        return Ok(());
+    }
+    let menu = Menu::new(filter, vocabulary().effects()).into_diagnostic()?;
     let undecided = found.undecided();
     found.next_run.splice(0..0, undecided.iter().filter_map(|(effect, other)| menu.sentence(effect, other)));
     Ok(())
 }
 
 /// The finding for people: the sentence, then the evidence.
-fn text(found: &Diagnosis) -> String {
+fn text(found: &Diagnosis, next: Option<&str>) -> String {
     let mut text = say::folded(&format!("{}\n", found.sentence), 0);
     // Writing to a string does not fail.
     for note in &found.notes {
@@ -187,6 +197,9 @@ fn text(found: &Diagnosis) -> String {
     next_runs(found, &mut text);
     if let Some(source) = &found.source {
         let _ = writeln!(text, "\nthe filter with what was found:\n\n{source}");
+    }
+    if let Some(next) = next {
+        let _ = writeln!(text, "next, on another log of the unit:\n{next}");
     }
     text
 }

@@ -27,12 +27,14 @@ mod arguments;
 mod calibrate;
 mod campaign;
 mod completions;
+mod compose;
 mod demo;
 mod diagnose;
 mod effects;
 mod export;
 mod filters;
 mod navigate;
+mod new;
 mod observe;
 mod origin;
 mod output;
@@ -52,7 +54,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 use runs::Vocabulary;
-use sinscal::{Filter, Strapdown};
+use sinscal::{Effect, Filter, Strapdown};
 
 use crate::say::Loudness;
 
@@ -99,6 +101,7 @@ enum Command {
     Paper(paper::Arguments),
     Filters(filters::Arguments),
     Effects(effects::Arguments),
+    New(new::Arguments),
     Completions(completions::Arguments),
 }
 
@@ -117,6 +120,12 @@ impl Program {
     /// And with filter `F`. It replaces one of the same name.
     pub fn filter<F: Filter<Dynamics = Strapdown>>(mut self) -> Self {
         self.vocabulary = self.vocabulary.with_filter::<F>();
+        self
+    }
+
+    /// And with effect `E`. It replaces one of the same name.
+    pub fn effect<E: Effect>(mut self) -> Self {
+        self.vocabulary = self.vocabulary.with_effect::<E>();
         self
     }
 
@@ -156,6 +165,7 @@ fn run() -> ExitCode {
         Command::Paper(arguments) => arguments.run(),
         Command::Filters(arguments) => arguments.run(),
         Command::Effects(arguments) => arguments.run(),
+        Command::New(arguments) => arguments.run(),
         Command::Completions(arguments) => arguments.run(),
     };
     match result {

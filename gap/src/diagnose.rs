@@ -1,7 +1,7 @@
 //! The whole workflow.
 
-use calib_core::{Block, Extended, Filter};
-use sinscal::{Setup, Strapdown};
+use runs::AnyFilter;
+use sinscal::{AnyEffect, Setup};
 
 use crate::decide::{Decision, decide};
 use crate::declaration::declaration;
@@ -14,10 +14,10 @@ use crate::open::Open;
 use crate::parallel::both;
 use crate::report::{Diagnosis, FoundEffect, NoiseScale, Rival, Verdict};
 use crate::rerun::rerun;
-use crate::run::{Declared, Machine};
+use crate::run::{Machine, Runs};
 use crate::scene::{EXCITED, Scene};
 use crate::white::whiteness;
-use crate::{Candidates, say, threshold};
+use crate::{say, threshold};
 
 /// How to diagnose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,65 +39,22 @@ impl Default for Options {
 /// log10 of a p-value of whiteness that is worth a note.
 const COLOURED: f64 = -6.0;
 
-/// Diagnoses `log` with the declared filter `F` against the catalogue, and asks `verify` where there is one.
+/// Diagnoses `log` with `filter` against those of `effects` that it lacks, and asks `verify` where there is one.
 ///
 /// `progress` is told the stage and how much of the work is done.
 ///
 /// # Errors
-/// When a filter diverges or a log is too short.
-pub fn diagnose<F>(
+/// When a filter diverges, a log is too short, or the effects cannot be added to the filter.
+pub fn diagnose(
+    filter: &dyn AnyFilter,
+    effects: &[&'static dyn AnyEffect],
     log: &Log,
     verify: Option<&Log>,
     options: &Options,
     progress: &mut dyn FnMut(&'static str, f64),
-) -> Result<Diagnosis, Error>
-where
-    F: Filter<Dynamics = Strapdown>,
-    Extended<F, Candidates>: Filter<Dynamics = Strapdown>,
-{
-    diagnose_with::<F, Candidates>(log, verify, options, progress)
+) -> Result<Diagnosis, Error> {
+    workflow(&Runs::new(filter, effects)?, log, verify, options, progress)
 }
-
-/// [`diagnose`] with candidates of one's own: a group `B` of blocks.
-///
-/// # Errors
-/// When a filter diverges or a log is too short.
-pub fn diagnose_with<F, B>(
-    log: &Log,
-    verify: Option<&Log>,
-    options: &Options,
-    progress: &mut dyn FnMut(&'static str, f64),
-) -> Result<Diagnosis, Error>
-where
-    F: Filter<Dynamics = Strapdown>,
-    B: Block<Dynamics = Strapdown>,
-    Extended<F, B>: Filter<Dynamics = Strapdown>,
-{
-    workflow(&Declared::<F, B>::new(), log, verify, options, progress)
-}
-
-macro_rules! named {
-    ($($filter:ident),+ $(,)?) => {
-        /// [`diagnose`] with the filter of a name; `None` when there is none.
-        ///
-        /// # Errors
-        /// When a filter diverges or a log is too short.
-        pub fn diagnose_named(
-            filter: &str,
-            log: &Log,
-            verify: Option<&Log>,
-            options: &Options,
-            progress: &mut dyn FnMut(&'static str, f64),
-        ) -> Option<Result<Diagnosis, Error>> {
-            $(if filter == <sinscal::$filter as Block>::NAME {
-                return Some(diagnose::<sinscal::$filter>(log, verify, options, progress));
-            })+
-            None
-        }
-    };
-}
-
-named!(Sins36P, Sins39P, Sins40P, Sins43P, Sins43B, Mems30, Tracked35);
 
 fn workflow(
     machine: &dyn Machine,
@@ -364,8 +321,9 @@ fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
 
 #[cfg(test)]
 mod tests {
+    use runs::Declared;
     use sinscal::navigation::Pilot;
-    use sinscal::{Diverged, Sample, Sins36P};
+    use sinscal::{CATALOGUE, Diverged, Sample, Sins36P};
 
     use super::*;
     use crate::declaration::BaseFilter;
@@ -373,9 +331,9 @@ mod tests {
     use crate::run::{Ran, Size};
 
     /// 36d-p, which diverges without help.
-    struct Fragile(Declared<Sins36P, Candidates>);
+    struct Fragile<'a>(Runs<'a>);
 
-    impl Machine for Fragile {
+    impl Machine for Fragile<'_> {
         fn base(&self) -> BaseFilter {
             self.0.base()
         }
@@ -403,8 +361,9 @@ mod tests {
     #[test]
     fn what_was_found_stands_though_the_filter_without_it_diverges() {
         let mut scenario = rig::Scenario::default().with_rate(20.0).unwrap();
-        scenario
-            .keep_effects(|name| Declared::<Sins36P, Candidates>::new().has(name) || name == "accel-delay");
+        let filter = Declared::<Sins36P>::new(2, "");
+        let machine = Fragile(Runs::new(&filter, CATALOGUE).unwrap());
+        scenario.keep_effects(|name| machine.has(name) || name == "accel-delay");
         scenario.motion.still = 100.0;
         scenario.motion.dwell = 30.0;
         scenario.dither.mode = rig::DitherMode::Off;
@@ -413,7 +372,7 @@ mod tests {
         let samples: Vec<Sample> = simulation.collect();
         let setup = description.setup(&[]);
         let log = Log { samples: &samples, setup: &setup };
-        let d = workflow(&Fragile(Declared::new()), &log, None, &Options::default(), &mut |_, _| {}).unwrap();
+        let d = workflow(&machine, &log, None, &Options::default(), &mut |_, _| {}).unwrap();
         assert!(d.sentence.contains("accel-delay") && d.gap.is_none(), "{}", d.sentence);
         assert!(d.notes.iter().any(|n| n.contains("diverges at 321 s")), "{:?}", d.notes);
     }

@@ -9,10 +9,12 @@
 //!
 //! ```no_run
 //! use gap::{Log, Options, diagnose};
-//! use sinscal::Sins36P;
+//! use runs::Vocabulary;
 //! # fn with(samples: &Vec<sinscal::Sample>, setup: &sinscal::Setup) -> Result<(), gap::Error> {
 //! let log = Log { samples, setup };
-//! let found = diagnose::<Sins36P>(&log, None, &Options::default(), &mut |stage, done| {
+//! let vocabulary = Vocabulary::standard();
+//! let filter = vocabulary.filter("36d-p").expect("a filter of the library");
+//! let found = diagnose(&*filter, vocabulary.effects(), &log, None, &Options::default(), &mut |stage, done| {
 //!     eprintln!("{:3.0} % {stage}", 100.0 * done);
 //! })?;
 //! println!("{}", found.sentence);
@@ -54,10 +56,9 @@ mod threshold;
 mod verify;
 mod white;
 
-pub use candidates::Candidates;
 pub use chi2::ln_survival;
-pub use declaration::{BaseFilter, declaration};
-pub use diagnose::{Options, diagnose, diagnose_named, diagnose_with};
+pub use declaration::{BaseFilter, declaration, fields, type_name};
+pub use diagnose::{Options, diagnose};
 pub use error::Error;
 pub use linear::Noise;
 pub use log::Log;

@@ -4,6 +4,7 @@ use gap::{Diagnosis, Log, Options, Verdict, diagnose};
 use nalgebra::{UnitQuaternion, Vector3};
 use rig::scenario::{Path, Population};
 use rig::{DitherMode, Scenario, Simulation, TemperatureProfile};
+use runs::Vocabulary;
 use sinscal::{Sample, Setup, Sins36P, any_effect};
 
 /// What is hidden from 36d-p, and the size of its first component, SI.
@@ -123,7 +124,11 @@ fn diagnosed(odd: &Oddity, hidden: Option<(&str, f64)>) -> Diagnosis {
         setup
     });
     let options = Options { rerun: false, ..Options::default() };
-    diagnose::<Sins36P>(
+    let vocabulary = Vocabulary::standard();
+    let filter = vocabulary.filter("36d-p").unwrap();
+    diagnose(
+        &*filter,
+        vocabulary.effects(),
         &Log { samples: &first.0, setup: &here },
         Some(&Log { samples: &second.0, setup: &there }),
         &options,

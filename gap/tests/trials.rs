@@ -2,6 +2,7 @@
 
 use gap::blind::{Case, Grade, Hidden, Table, trial};
 use gap::{Diagnosis, Options, Verdict};
+use runs::Vocabulary;
 
 const QUICK: Options = Options { seed: 1, false_alarms: 0.01, rerun: false };
 
@@ -136,7 +137,9 @@ fn the_same_log_twice_confirms_nothing() {
     let samples: Vec<sinscal::Sample> = simulation.collect();
     let setup = description.setup(&[]);
     let log = gap::Log { samples: &samples, setup: &setup };
-    let d = gap::diagnose::<sinscal::Sins36P>(&log, Some(&log), &QUICK, &mut |_, _| {}).unwrap();
+    let vocabulary = Vocabulary::standard();
+    let filter = vocabulary.filter("36d-p").unwrap();
+    let d = gap::diagnose(&*filter, vocabulary.effects(), &log, Some(&log), &QUICK, &mut |_, _| {}).unwrap();
     assert!(!d.verified && d.notes.iter().any(|n| n.contains("confirms nothing")), "{:?}", d.notes);
 }
 

@@ -16,7 +16,9 @@ use crate::compensation::Compensator;
 use crate::gate::Gate;
 use crate::outcome::{Diverged, Statistics, Update};
 use crate::strapdown::{Before, Increments, NavigationState};
-use crate::{Event, Observer, OpenBlocks, OuterLeverArm, Point, Sample, Setup, Signals, Strapdown, earth};
+use crate::{
+    Event, Observer, OpenBlocks, OuterLeverArm, Point, Sample, Setup, Signals, Strapdown, earth, probe,
+};
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
 const STEP_ANGLE: f64 = 0.02;
@@ -89,13 +91,22 @@ impl Step {
 
 impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
     /// A run that has seen nothing yet, with the priors of the setup and, where it names none, of the blocks.
+    ///
+    /// # Panics
+    /// When a block contradicts itself: the message is the [`Fault`](crate::Fault) that [`probe`](crate::probe()) returns.
     pub fn new(setup: &Setup) -> Self {
         Self::with_prior(setup, |_, _, sigma| sigma)
     }
 
     /// A run whose prior standard deviations go through `adjust(state, info, sigma)`; a parameter with zero takes no
     /// part.
+    ///
+    /// # Panics
+    /// As [`new`](Self::new).
     pub fn with_prior(setup: &Setup, mut adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
+        if let Err(fault) = probe::<F>() {
+            panic!("{fault}");
+        }
         let blocks = setup.open;
         let mut prior = F::Shape::vector(0.0);
         let mut i = 0;

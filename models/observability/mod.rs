@@ -23,7 +23,7 @@ use calib_core::{
     Array, Decomposition, Dynamics, Filter, Measurement, ObservabilityRows, Shape, Triangle, Vector, relaxes,
 };
 
-use crate::{Calibration, Conventional, Setup, Strapdown};
+use crate::{Calibration, Conventional, OpenBlocks, Point, Setup, Signals, Strapdown};
 
 #[cfg(feature = "std")]
 pub use directions::{Direction, basis};
@@ -43,6 +43,7 @@ pub const EXCITED: f64 = 10.0;
 pub struct Observability<F: Filter<Dynamics = Strapdown>> {
     prior: Vector<F, f64>,
     noise: Measurement<F, f64>,
+    open: OpenBlocks,
     triangle: Triangle<F::Shape, f64>,
 }
 
@@ -63,7 +64,7 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
         for i in 0..F::Shape::STATES {
             prior[i] = nalgebra::ComplexField::sqrt(p[i][i]);
         }
-        Self { prior, noise, triangle: Triangle::default() }
+        Self { prior, noise, open: setup.open, triangle: Triangle::default() }
     }
 
     /// Appends the rows of a segment.
@@ -71,9 +72,13 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
     /// The powers go to the number C of leading states: every higher one is a combination of these (Cayley and Hamilton; the
     /// parameters' part of F is zero). With parameters that relax all N are taken.
     pub fn add(&mut self, segment: &Segment) {
-        let mut signals = segment.signals;
+        let mut signals = Signals { open: self.open, ..segment.signals };
+        if !self.open.couples_dither() {
+            signals.coupled_dither.fill(0.0);
+        }
         Strapdown::restrict::<F, f64>(&mut signals);
-        let mut rows = ObservabilityRows::<F, f64>::new(&segment.point, &signals, segment.duration);
+        let point = Point { open: self.open, ..segment.point };
+        let mut rows = ObservabilityRows::<F, f64>::new(&point, &signals, segment.duration);
         let powers = if relaxes::<F>() { F::Shape::STATES } else { F::Shape::CORE };
         let mut factorial = 1.0;
         for k in 0..=powers {

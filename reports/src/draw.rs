@@ -245,8 +245,7 @@ mod tests {
             !svg.contains("http://")
                 || svg.matches("http").count() == svg.matches("http://www.w3.org").count()
         );
-        let mut csv = Vec::new();
-        figure.csv(&mut csv).expect("memory");
+        let csv = figure.csv();
         assert_eq!(String::from_utf8(csv).expect("text").lines().count(), 11);
     }
 }

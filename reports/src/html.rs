@@ -91,8 +91,8 @@ fn cell(cell: &Cell) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Section;
     use crate::draw::{Curve, Figure, Style};
-    use crate::report::Section;
 
     fn report(text: &str) -> Report {
         let figure = Figure {
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn no_text_becomes_markup() -> Result<()> {
+    fn no_text_becomes_markup() -> Result<(), Error> {
         let html = render(&report("</script><img src=x onerror=alert(1)>&\"'"))?;
         assert!(!html.contains("<img"), "unescaped text");
         let scripts = |html: &str| html.matches("</script>").count();
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_fetched() -> Result<()> {
+    fn nothing_is_fetched() -> Result<(), Error> {
         let html = render(&report("plain"))?;
         for fetches in ["src=", "@import", "url(", "fetch(", "XMLHttpRequest", "<link rel=\"stylesheet\""] {
             assert!(!html.contains(fetches), "{fetches}");
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_report_is_the_same_file() -> Result<()> {
+    fn the_same_report_is_the_same_file() -> Result<(), Error> {
         assert_eq!(render(&report("plain"))?, render(&report("plain"))?);
         Ok(())
     }

@@ -204,8 +204,7 @@ mod tests {
         ] {
             assert!(drawn.contains(piece), "{piece}: {drawn}");
         }
-        let mut texts = Vec::new();
-        csv(&table, &mut texts).expect("memory");
+        let texts = csv(&table);
         let texts = String::from_utf8(texts).expect("text");
         assert_eq!(texts, "name,-1 to +1,map,bar,figure\na & b,\"0.1, of <1>\",17,half,3\n");
     }

@@ -139,7 +139,7 @@ impl<F: Filter<Dynamics = Strapdown>> Compiled for Of<F> {
         relaxations::<F, f64>(|state, relaxation| {
             relaxing.extend(selection.place(state).map(|place| (place, relaxation)));
         });
-        Ok(Traced { start, relaxing })
+        Ok(Traced { gate: pass.gate(), start, relaxing })
     }
 }
 

@@ -18,6 +18,7 @@ use crate::filter::{AnyFilter, Leaf, Pool};
 /// correctness.
 pub struct Composition {
     name: &'static str,
+    path: &'static str,
     about: String,
     passes: u32,
     measures: Vec<&'static str>,
@@ -74,6 +75,19 @@ impl Composition {
         Self::of(base, effects, &[])
     }
 
+    /// `base` with effects added, each with states of its own, also the dither's size effect where there are inner lever arms: for
+    /// what is told apart.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_states_for(
+        base: &dyn AnyFilter,
+        effects: &[&'static dyn AnyEffect],
+    ) -> Result<Self, ComposeError> {
+        let added = effects.iter().map(|effect| leaf(*effect)).collect();
+        Self::assembled(base, pool_of(base)?, base.blocks(), added, base.needs_dither(), effects)
+    }
+
     /// `base` with effects added and blocks left out, by name.
     ///
     /// # Errors
@@ -83,10 +97,7 @@ impl Composition {
         effects: &[&'static dyn AnyEffect],
         without: &[&str],
     ) -> Result<Self, ComposeError> {
-        let pool = base.pool().ok_or_else(|| ComposeError::Measures {
-            filter: base.title(),
-            measures: base.measures().join(" and "),
-        })?;
+        let pool = pool_of(base)?;
         let mut own = base.blocks();
         let mut left_out = base.without();
         for name in without {
@@ -101,7 +112,7 @@ impl Composition {
             if own.iter().chain(&added).any(|leaf| leaf.name == effect.name()) {
                 return Err(ComposeError::Declared { filter: base.title(), effect: effect.name() });
             }
-            added.push(Leaf { id: effect.id(), name: effect.name(), first: 0, block: effect.block() });
+            added.push(leaf(*effect));
         }
         let arms = own.iter().chain(&added).any(|leaf| leaf.is::<InnerLeverArm>());
         let mut couples = own.iter().any(Leaf::is::<Dither>);
@@ -158,6 +169,7 @@ impl Composition {
         }
         Ok(Self {
             name: base.name(),
+            path: base.path(),
             about: base.about(),
             passes: base.passes(),
             measures: base.measures(),
@@ -170,6 +182,18 @@ impl Composition {
             absent,
         })
     }
+}
+
+fn pool_of(base: &dyn AnyFilter) -> Result<&'static Pool, ComposeError> {
+    base.pool().ok_or_else(|| ComposeError::Measures {
+        filter: base.title(),
+        measures: base.measures().join(" and "),
+    })
+}
+
+/// An effect as a block; where it begins is not known yet.
+fn leaf(effect: &'static dyn AnyEffect) -> Leaf {
+    Leaf { id: effect.id(), name: effect.name(), first: 0, block: effect.block() }
 }
 
 /// Whether a block moves by the dynamics.
@@ -196,6 +220,10 @@ fn kept(blocks: Vec<&'static dyn AnyBlock>) -> &'static [&'static dyn AnyBlock] 
 impl AnyFilter for Composition {
     fn name(&self) -> &'static str {
         self.name
+    }
+
+    fn path(&self) -> &'static str {
+        self.path
     }
 
     fn about(&self) -> String {

@@ -8,16 +8,20 @@ use sinscal::navigation::Pilot;
 use sinscal::{AnyBlock, FilterInfo, Setup, StateInfo, Strapdown};
 
 use crate::Error;
-use crate::compiled::{Compiled, Of, Selection};
+use crate::compiled::{About, Compiled, Of, Selection};
 use crate::observe::Analysis;
 use crate::pool::{Carried, OnTable, Tracked};
 use crate::running::{Options, Running};
 use crate::samples::Samples;
+use crate::trace::{Trace, Traced};
 
 /// What every declared filter can do, without its type: what commands, campaigns and diagnoses are written for.
 pub trait AnyFilter: Send + Sync {
     /// Name on the command line.
     fn name(&self) -> &'static str;
+
+    /// Path of the type that declares it.
+    fn path(&self) -> &'static str;
 
     /// What it holds, in a few words.
     fn about(&self) -> String;
@@ -143,6 +147,10 @@ impl<F: Filter<Dynamics = Strapdown>> AnyFilter for Declared<F> {
         F::NAME
     }
 
+    fn path(&self) -> &'static str {
+        core::any::type_name::<F>()
+    }
+
     fn about(&self) -> String {
         self.info.about.to_owned()
     }
@@ -195,17 +203,42 @@ impl dyn AnyFilter + '_ {
         code.observe(samples, &self.prepare(setup, &mut Vec::new()), selection)
     }
 
-    /// A pilot with known parameters, by name; one without a value is zero, and the outer lever arm, as people know it, includes its
-    /// first guess.
-    pub fn pilot(&self, setup: &Setup, value: &mut dyn FnMut(&StateInfo) -> Option<f64>) -> Box<dyn Pilot> {
-        let (code, selection) = self.compiled();
-        let mut values: Vec<f64> = self.parameters().iter().map(|info| value(info).unwrap_or(0.0)).collect();
+    /// Takes the first guess of the outer lever arm out of values of the parameters, which as people know them include it.
+    pub fn without_guess(&self, setup: &Setup, values: &mut [f64]) {
         let core = <Strapdown as Dynamics>::CORE;
-        for leaf in self.blocks().iter().filter(|leaf| leaf.is::<sinscal::OuterLeverArm>()) {
+        if let Some(leaf) = self.blocks().iter().find(|leaf| leaf.is::<sinscal::OuterLeverArm>()) {
             for axis in 0..3 {
                 values[leaf.first - core + axis] -= setup.outer_lever[axis];
             }
         }
-        code.pilot(&self.prepare(setup, &mut Vec::new()), selection, &values)
+    }
+
+    /// A pilot with known values of the parameters, the outer lever arm without its first guess.
+    pub fn pilot_with(&self, setup: &Setup, values: &[f64]) -> Box<dyn Pilot> {
+        let (code, selection) = self.compiled();
+        code.pilot(&self.prepare(setup, &mut Vec::new()), selection, values)
+    }
+
+    /// Runs a pass with the parameters taken as known, and tells the linear system that it is.
+    ///
+    /// # Errors
+    /// When the log cannot be read or the filter diverges.
+    pub fn trace(
+        &self,
+        samples: &dyn Samples,
+        setup: &Setup,
+        about: &About,
+        trace: &mut dyn Trace,
+    ) -> Result<Traced, Error> {
+        let (code, selection) = self.compiled();
+        code.trace(samples, &self.prepare(setup, &mut Vec::new()), selection, about, trace)
+    }
+
+    /// A pilot with known parameters, by name; one without a value is zero, and the outer lever arm, as people know it, includes its
+    /// first guess.
+    pub fn pilot(&self, setup: &Setup, value: &mut dyn FnMut(&StateInfo) -> Option<f64>) -> Box<dyn Pilot> {
+        let mut values: Vec<f64> = self.parameters().iter().map(|info| value(info).unwrap_or(0.0)).collect();
+        self.without_guess(setup, &mut values);
+        self.pilot_with(setup, &values)
     }
 }

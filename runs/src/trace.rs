@@ -5,7 +5,7 @@ use core::ops::Range;
 use calib_core::{
     Array, CoreVector, Filter, Form, Relaxation, Residuals, Shape, Transition, measurement_rows,
 };
-use sinscal::{Event, Observer, Point, Signals, Strapdown};
+use sinscal::{Event, Gate, Observer, Point, Signals, Strapdown};
 
 use crate::compiled::Selection;
 
@@ -64,6 +64,8 @@ pub struct Row {
 /// What a traced pass began with.
 #[derive(Clone, Debug)]
 pub struct Traced {
+    /// How the readings of the reference were spread.
+    pub gate: Gate,
     /// Prior standard deviations of the leading states.
     pub start: [f64; CORE],
     /// Parameters that are not constant, by their place in the selection.

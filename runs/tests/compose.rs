@@ -12,6 +12,10 @@ const SAME: [(&str, &[&str], &[&str], &str); 4] = [
     ("43d-b", &[], &["accel-temperature-scale", "accel-delay", "dither"], "39d-p"),
 ];
 
+/// What another order of the states makes of rounding on this log, in standard deviations: so much differ two declared filters of
+/// the same blocks in another order (`tests/open.rs` of the library measures it).
+const ROUNDING: f64 = 1e-5;
+
 fn log() -> (rig::Description, Vec<Sample>) {
     let text =
         "[imu]\nrate = \"50 Hz\"\n[motion]\npath = \"nineteen-positions\"\nstill = \"20 s\"\ndwell = \"8 s\"";
@@ -19,21 +23,27 @@ fn log() -> (rig::Description, Vec<Sample>) {
     (simulation.description().clone(), simulation.collect())
 }
 
-fn run(filter: &dyn AnyFilter, (description, samples): &(rig::Description, Vec<Sample>)) -> Outcome {
+fn run(
+    filter: &dyn AnyFilter,
+    passes: u32,
+    (description, samples): &(rig::Description, Vec<Sample>),
+) -> Outcome {
     let priors = [("accel-bias", 5e-3)];
     let setup = description.setup(&priors);
-    calibrate(filter, samples, &setup, &Options::of(filter), &mut ()).expect("an outcome")
+    let options = Options { passes, ..Options::of(filter) };
+    calibrate(filter, samples, &setup, &options, &mut ()).expect("an outcome")
 }
 
 #[test]
 fn composed_and_declared_filters_say_the_same() {
     let vocabulary = Vocabulary::standard();
     let log = log();
-    for (base, with, without, declared) in SAME {
+    for ((base, with, without, declared), passes) in SAME.into_iter().flat_map(|same| [(same, 1), (same, 2)])
+    {
         let composed = vocabulary.composed(base, with, without).expect("a composition");
         let declared = vocabulary.filter(declared).expect("a filter");
         assert_eq!(composed.needs_dither(), declared.needs_dither(), "{}", composed.title());
-        let (a, b) = (run(&*composed, &log), run(&*declared, &log));
+        let (a, b) = (run(&*composed, passes, &log), run(&*declared, passes, &log));
         assert_eq!(a.parameters.len(), b.parameters.len());
         for p in &b.parameters {
             let same = |q: &&sinscal::Parameter| {
@@ -42,8 +52,8 @@ fn composed_and_declared_filters_say_the_same() {
             let q = a.parameters.iter().find(same).expect("the same parameters");
             let (off, sigma) = ((q.value - p.value) / p.sigma, q.sigma / p.sigma - 1.0);
             assert!(
-                off.abs() < 1e-9 && sigma.abs() < 1e-9,
-                "{}, {} {}: {off:e} sigma off, sigma by {sigma:e}",
+                off.abs() < ROUNDING && sigma.abs() < 1e-7,
+                "{passes} passes of {}, {} {}: {off:e} sigma off, sigma by {sigma:e}",
                 composed.title(),
                 p.info.block,
                 p.info.component

@@ -16,14 +16,15 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
+    const ALL: [Self; 2] = [Kind::Filter, Kind::Group];
+
     fn of(path: &Path) -> Option<Self> {
-        if path.is_ident("filter") {
-            Some(Kind::Filter)
-        } else if path.is_ident("group") {
-            Some(Kind::Group)
-        } else {
-            None
-        }
+        Self::ALL.into_iter().find(|kind| path.is_ident(kind.keyword()))
+    }
+
+    /// The kind of an attribute that rustc reports as unknown: what was meant is not missing too.
+    fn meant(path: &Path) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| misspells(path, kind.keyword()))
     }
 
     fn keyword(self) -> &'static str {
@@ -68,7 +69,7 @@ impl Attributes {
             if attr.path().is_ident("base") {
                 errors.at(attr, "`#[base]` marks the first field of a filter, not the struct");
             }
-            let Some(kind) = Kind::of(attr.path()) else { continue };
+            let Some(kind) = Kind::of(attr.path()).or_else(|| Kind::meant(attr.path())) else { continue };
             match read.kind {
                 Some(earlier) if earlier != kind => {
                     errors.at(attr, "a declaration is a filter or a group, not both");
@@ -219,10 +220,18 @@ impl FieldAttributes {
                 read.base = true;
             } else if path.is_ident("doc") {
                 read.docs.push(attr.clone());
+            } else if misspells(path, "base") {
+                read.base = true;
             }
         }
         read
     }
+}
+
+/// Whether an attribute is nearly the one called `name`. rustc, which knows all that there are, reports it and says what is
+/// similar; here it is read as what was meant.
+fn misspells(path: &Path, name: &str) -> bool {
+    path.get_ident().is_some_and(|ident| (1..=2).contains(&distance(&ident.to_string(), name)))
 }
 
 /// Edits that turn `a` into `b`.

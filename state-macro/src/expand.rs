@@ -1,7 +1,7 @@
 //! A layout, to the implementations and the constants that judge it.
 
-use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream};
-use quote::{quote, quote_spanned};
+use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
+use quote::{ToTokens, quote, quote_spanned};
 use syn::ext::IdentExt;
 use syn::spanned::Spanned;
 use syn::{DeriveInput, Type};
@@ -12,7 +12,7 @@ use crate::check;
 use crate::errors::Errors;
 use crate::fallback;
 use crate::layout::Layout;
-use crate::view;
+use crate::view::{self, shown};
 
 /// All that the derive writes: the mistakes, and implementations that hold in spite of them.
 pub(crate) fn derive(input: &DeriveInput) -> TokenStream {
@@ -41,7 +41,7 @@ fn expand(layout: &Layout) -> TokenStream {
         #view
         const _: () = {
             #[allow(unused_imports)]
-            use #core::declare::{Baseless as _, Misfit as _};
+            use #core::declare::{Baseless as _, Misfit as _, Other as _, Unrelated as _};
             #parts
             #measures
             #(#belong)*
@@ -92,7 +92,7 @@ fn measures(layout: &Layout) -> TokenStream {
 fn rules(layout: &Layout) -> TokenStream {
     let Layout { declaration, core, .. } = layout;
     let Declaration { ident, attrs, fields, .. } = declaration;
-    let leading = of_dynamics(layout, "NEEDS");
+    let leading = of_family(layout, "NEEDS");
     let Some(kind) = attrs.kind else { return TokenStream::new() };
     let judge = match kind {
         Kind::Filter => quote!(filter_field),
@@ -104,13 +104,14 @@ fn rules(layout: &Layout) -> TokenStream {
         .map(|(i, field)| rule(core, field.ends(), quote!(#core::declare::#judge(&PARTS, #i, #leading))))
         .collect();
     if kind == Kind::Filter {
-        let size = of_dynamics(layout, "CORE");
+        let size = of_family(layout, "CORE");
         let whole = quote!(#core::declare::filter(&PARTS, #leading, #size));
         rules.extend(rule(core, (ident.span(), ident.span()), whole));
         let channels = channels(layout);
+        let family = of_family(layout, "KNOWN");
         for name in attrs.measures.iter().flat_map(|measures| &measures.names) {
             let text = name.unraw().to_string();
-            let known = quote!(#core::declare::measurement(#channels, #text));
+            let known = quote!(#core::declare::measurement(#channels, #text, #family));
             rules.extend(rule(core, (name.span(), name.span()), known));
         }
     }
@@ -147,13 +148,15 @@ fn block(layout: &Layout) -> TokenStream {
                 &#core::declare::needs::<{ #core::declare::count_needs(&PARTS) }>(&PARTS);
         }
     });
+    let clause = clause(layout);
+    let visitor = quote_spanned!(dynamics.span()=> #core::BlockVisitor<#dynamics>);
     let signals = of_dynamics(layout, "Signals");
     let point = of_dynamics(layout, "Point");
     let types: Vec<&Type> = fields.iter().map(|field| field.ty).collect();
     let names: Vec<&Ident> = fields.iter().map(|field| field.ident).collect();
     quote! {
         #[automatically_derived]
-        impl #core::Block for #ident {
+        impl #core::Block for #ident #clause {
             type Dynamics = #dynamics;
             type View<'a, T: #core::Real> = #view<'a, T>;
             const NAME: &'static str = #name;
@@ -162,7 +165,7 @@ fn block(layout: &Layout) -> TokenStream {
             const PARTS: &'static [#core::declare::Part] = &PARTS;
 
             fn states(visit: &mut dyn ::core::ops::FnMut(#core::StateInfo)) {
-                #(#core::declare::Field::<#types, Self::Dynamics>::states(visit);)*
+                #(#core::declare::Field::<#types, #dynamics>::states(visit);)*
             }
 
             #[inline(always)]
@@ -170,7 +173,7 @@ fn block(layout: &Layout) -> TokenStream {
                 signals: &#signals,
                 put: &mut impl ::core::ops::FnMut(usize, usize, T),
             ) {
-                #(#core::declare::Field::<#types, Self::Dynamics>::input_jacobian::<T>(
+                #(#core::declare::Field::<#types, #dynamics>::input_jacobian::<T>(
                     Self::OFFSETS.#names, signals, put,
                 );)*
             }
@@ -180,14 +183,14 @@ fn block(layout: &Layout) -> TokenStream {
                 at: &#point,
                 put: &mut impl ::core::ops::FnMut(usize, usize, T),
             ) {
-                #(#core::declare::Field::<#types, Self::Dynamics>::measurement_jacobian::<T>(
+                #(#core::declare::Field::<#types, #dynamics>::measurement_jacobian::<T>(
                     Self::OFFSETS.#names, at, put,
                 );)*
             }
 
             #[inline(always)]
-            fn blocks(first: usize, visitor: &mut impl #core::BlockVisitor<Self::Dynamics>) {
-                #(#core::declare::Field::<#types, Self::Dynamics>::blocks(
+            fn blocks(first: usize, visitor: &mut impl #visitor) {
+                #(#core::declare::Field::<#types, #dynamics>::blocks(
                     first + Self::OFFSETS.#names, visitor,
                 );)*
             }
@@ -199,9 +202,10 @@ fn block(layout: &Layout) -> TokenStream {
 fn counted(layout: &Layout) -> TokenStream {
     let Layout { declaration, core, .. } = layout;
     let ident = declaration.ident;
+    let clause = clause(layout);
     quote! {
         #[automatically_derived]
-        impl #core::Counted for #ident {
+        impl #core::Counted for #ident #clause {
             type States = #core::declare::Size<{ #core::declare::dim(&PARTS) }>;
         }
     }
@@ -210,11 +214,12 @@ fn counted(layout: &Layout) -> TokenStream {
 fn filter(layout: &Layout) -> TokenStream {
     let Layout { declaration, core, .. } = layout;
     let ident = declaration.ident;
-    let size = of_dynamics(layout, "CORE");
+    let clause = clause(layout);
+    let size = of_family(layout, "CORE");
     let channels = channels(layout);
     quote! {
         #[automatically_derived]
-        impl #core::Filter for #ident {
+        impl #core::Filter for #ident #clause {
             type Shape = #core::Dim<
                 { #core::declare::dim(&PARTS) },
                 { #size },
@@ -250,36 +255,67 @@ fn inherent(layout: &Layout) -> TokenStream {
     }
 }
 
-/// The dynamics as those of the block that is written, with the span of what was said about them.
-fn dynamics(layout: &Layout) -> TokenStream {
-    let Layout { declaration, core, dynamics, .. } = layout;
-    let ident = declaration.ident;
-    quote_spanned!(dynamics.span()=> <#ident as #core::Block>::Dynamics)
+/// What the implementations take for granted: that given dynamics are dynamics. Where they are none rustc says so here, and
+/// nowhere within.
+fn clause(layout: &Layout) -> Option<TokenStream> {
+    layout.declaration.attrs.dynamics.as_ref().map(|given| {
+        let core = at(&layout.core, given.span());
+        quote_spanned!(given.span()=> where #given: #core::Dynamics)
+    })
+}
+
+/// Tokens with the span of what they are about: rustc points at the whole of a path.
+fn at(tokens: &TokenStream, span: Span) -> TokenStream {
+    let mut tokens: Vec<TokenTree> = tokens.clone().into_iter().collect();
+    tokens.iter_mut().for_each(|token| token.set_span(span));
+    tokens.into_iter().collect()
 }
 
 fn channels(layout: &Layout) -> TokenStream {
-    of_dynamics(layout, "CHANNELS")
+    of_family(layout, "CHANNELS")
 }
 
-/// An item of the dynamics.
-fn of_dynamics(layout: &Layout, item: &str) -> TokenStream {
-    let core = &layout.core;
-    let span = layout.dynamics.span();
-    let dynamics = dynamics(layout);
-    let generics = matches!(item, "Signals" | "Point").then(|| quote_spanned!(span=> <T>));
+/// A constant of the dynamics, which says nothing where they are none.
+fn of_family(layout: &Layout, item: &str) -> TokenStream {
+    let Layout { core, dynamics, .. } = layout;
+    let span = dynamics.span();
     let item = Ident::new(item, span);
-    quote_spanned!(span=> <#dynamics as #core::Dynamics>::#item #generics)
+    quote_spanned!(span=> #core::declare::Family::<#dynamics>::#item)
+}
+
+/// A type of the dynamics.
+fn of_dynamics(layout: &Layout, item: &str) -> TokenStream {
+    let Layout { core, dynamics, .. } = layout;
+    let span = dynamics.span();
+    let item = Ident::new(item, span);
+    quote_spanned!(span=> <#dynamics as #core::Dynamics>::#item<T>)
 }
 
 /// The demand that a field be a block of the declaration's dynamics. Every path to the block has the span of its
 /// type, so that rustc says once what is wrong with it.
 fn belongs(layout: &Layout, field: &Field) -> TokenStream {
-    let core = &layout.core;
-    let Field { ty, .. } = field;
-    let ident = layout.declaration.ident;
-    quote_spanned! {ty.span()=>
-        const _: () = <
-            <#ty as #core::Block>::Dynamics as #core::declare::Same<<#ident as #core::Block>::Dynamics>
-        >::SAME;
-    }
+    let Layout { declaration, core, dynamics, .. } = layout;
+    let Field { ident, ty, .. } = field;
+    let name = ident.unraw().to_string();
+    let family = match &declaration.attrs.dynamics {
+        Some(given) => shown(given),
+        None if declaration.base().is_some() => "those of the base".to_owned(),
+        None => "Strapdown".to_owned(),
+    };
+    let own = at(core, ty.span());
+    let fit = quote_spanned! {ty.span()=>
+        #own::declare::Fit::<<#ty as #own::Block>::Dynamics, #dynamics>::SAME
+    };
+    let last = ty.to_token_stream().into_iter().last().map_or_else(|| ty.span(), |token| token.span());
+    rule(
+        core,
+        (ty.span(), last),
+        quote! {
+            #core::declare::belongs(
+                #name,
+                #family,
+                #fit || !#core::declare::Family::<#dynamics>::KNOWN,
+            )
+        },
+    )
 }

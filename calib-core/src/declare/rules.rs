@@ -2,11 +2,23 @@
 
 use super::text::{distance, equal};
 use super::{Part, Role, Text, meets};
-use crate::{ChannelGroup, Need};
+use crate::{ChannelGroup, Need, Relaxation};
+
+/// What is wrong with the dynamics of a field, which `fit` those of the declaration, or do not.
+pub const fn belongs(field: &str, family: &str, fit: bool) -> Text {
+    if fit {
+        return Text::EMPTY;
+    }
+    Text::EMPTY
+        .with_name(field)
+        .with(" is a block of other dynamics than the declaration, whose dynamics are ")
+        .with_name(family)
+        .with(": `#[filter(dynamics = ...)]` or `#[group(dynamics = ...)]` names them")
+}
 
 /// What is wrong with field `i` of a filter whose dynamics begin with `leading`.
 pub const fn filter_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
-    let mut text = repeats(parts, i);
+    let mut text = forgets(repeats(parts, i), &parts[i]);
     if let Role::Base { declared: false } = parts[i].role {
         text = text
             .next()
@@ -15,7 +27,8 @@ pub const fn filter_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
             .with("` is not a declared filter: a base is a struct with `#[filter(...)]`, a group of blocks or a block needs no `#[base]`");
     }
     let mut k = 0;
-    while k < parts[i].needs.len() {
+    // what is no filter may have been meant to be the one that meets them
+    while k < parts[i].needs.len() && !misbased(parts) {
         if !meets(parts, &parts[i].needs[k]) {
             text = if text.is_empty() { text.with_name(parts[i].name).with(": ") } else { text.next() };
             text = text.with(parts[i].needs[k].message);
@@ -37,7 +50,7 @@ pub const fn filter_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
 
 /// What is wrong with field `i` of a group whose dynamics begin with `leading`.
 pub const fn group_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
-    let text = repeats(parts, i);
+    let text = forgets(repeats(parts, i), &parts[i]);
     if i > 0 && leads(&parts[0], leading) != leads(&parts[i], leading) && parts[0].known && parts[i].known {
         return text
             .next()
@@ -82,8 +95,11 @@ pub const fn filter(parts: &[Part], leading: &[Need], core: usize) -> Text {
     if states == core { text } else { wrong_core(states, core) }
 }
 
-/// What is wrong with measuring `name` when there are `groups`.
-pub const fn measurement(groups: &[ChannelGroup], name: &str) -> Text {
+/// What is wrong with measuring `name` when there are `groups`, those of dynamics that are `known`.
+pub const fn measurement(groups: &[ChannelGroup], name: &str, known: bool) -> Text {
+    if !known {
+        return Text::EMPTY;
+    }
     let mut nearest = "";
     let mut least = name.len() / 2 + 1;
     let mut list = Text::EMPTY;
@@ -106,6 +122,18 @@ pub const fn measurement(groups: &[ChannelGroup], name: &str) -> Text {
         .with(" that no block supports: these dynamics measure ")
         .with(if list.is_empty() { "nothing" } else { list.as_str() });
     if nearest.is_empty() { text } else { text.with("; did you mean ").with_name(nearest).with("?") }
+}
+
+/// Whether a base is no filter.
+const fn misbased(parts: &[Part]) -> bool {
+    let mut i = 0;
+    while i < parts.len() {
+        if let Role::Base { declared: false } = parts[i].role {
+            return true;
+        }
+        i += 1;
+    }
+    false
 }
 
 /// Whether a base answers for the leading blocks, or a type that is not known might be one of them.
@@ -154,6 +182,33 @@ const fn repeats(parts: &[Part], i: usize) -> Text {
         j += 1;
     }
     Text::EMPTY
+}
+
+/// Relaxations that no state of a block has, or that grow.
+const fn forgets(text: Text, part: &Part) -> Text {
+    let mut k = 0;
+    while k < part.relaxations.len() {
+        let (state, Relaxation { rate, density }) = part.relaxations[k];
+        if state >= part.dim {
+            return text
+                .next()
+                .with_name(part.name)
+                .with(" gives state ")
+                .with_number(state)
+                .with(" a relaxation: its states are counted from 0 and there are ")
+                .with_number(part.dim);
+        }
+        if !(rate >= 0.0 && density >= 0.0) {
+            return text
+                .next()
+                .with_name(part.name)
+                .with(" gives state ")
+                .with_number(state)
+                .with(" a relaxation that grows: its rate and its density are 0 or more");
+        }
+        k += 1;
+    }
+    text
 }
 
 /// The first block of `part` of whose name `other` has one too, and that one.

@@ -13,6 +13,12 @@ use sinscal::{CoarseCalibration, Smoothed};
 #[derive(Serialize)]
 pub(super) struct Report {
     filter: &'static str,
+    /// Effects that were added to the filter at run time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    with: Vec<&'static str>,
+    /// Blocks that were left out of it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    without: Vec<&'static str>,
     states: usize,
     samples: u64,
     duration_s: f64,
@@ -135,6 +141,8 @@ impl Report {
         let site = &log.description().site;
         Self {
             filter: filter.name(),
+            with: filter.with(),
+            without: filter.without(),
             states: outcome.states,
             samples: outcome.samples - bridged.rows,
             duration_s: outcome.duration,

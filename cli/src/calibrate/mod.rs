@@ -108,7 +108,8 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let started = Instant::now();
         let target = self.results.target()?;
-        let filter = &*self.filter.filter;
+        let filter = self.filter.filter()?;
+        let filter = &*filter;
         let mut log = Log::open_counting(&self.log.log, &self.log.columns.map())?;
         arguments::tell(&log);
         log.bridge_gaps(self.bridge_gaps);

@@ -23,6 +23,7 @@ use study::{Plan, Summary, UnitResult};
 use self::store::{Identity, Store};
 use crate::ablate::FILTERS;
 use crate::arguments::{self, ALIGNMENT, Drawn, Results, alignment, hours};
+use crate::compose::Change;
 use crate::origin::Documented as _;
 use crate::output::{self, Files};
 use crate::say::progress_bar;
@@ -59,6 +60,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_values = FILTERS, ignore_case = true,
           value_parser = arguments::filter())]
     filters: Vec<Arc<dyn AnyFilter>>,
+    #[command(flatten)]
+    change: Change,
     /// Hours of free-inertial navigation on a swinging table with each calibration; 0 leaves it out
     #[arg(long, value_name = "H", default_value_t = 4.0, value_parser = hours_or_none)]
     hours: f64,
@@ -116,7 +119,7 @@ impl Arguments {
             if filters.iter().any(|other| other.title() == filter.title()) {
                 return Err(miette!("--filters: {} stands there twice", filter.title()));
             }
-            filters.push(filter.clone());
+            filters.push(self.change.of(filter)?);
         }
         let plan = Plan {
             scenario: self.drawn.load()?,

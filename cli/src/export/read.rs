@@ -8,10 +8,11 @@ use sinscal::EffectInfo;
 
 use crate::navigate;
 use crate::origin;
+use crate::vocabulary::vocabulary;
 
 /// A calibration to be written in another form.
 pub(super) struct Calibration {
-    pub(super) filter: &'static str,
+    pub(super) filter: String,
     /// Lines on where it comes from.
     pub(super) source: Vec<String>,
     /// Temperature at which the temperature effects vanish, degC, where the calibration says so.
@@ -55,7 +56,13 @@ pub(super) fn read(path: &Path) -> Result<Calibration> {
                 ));
             }
         };
-        let Some(effect) = sinscal::EFFECTS.iter().find(|effect| effect.name() == name) else { continue };
+        let Ok(effect) = vocabulary().effect(&name) else {
+            return Err(miette!(
+                help = "register it with the program: `.effect::<...>()`",
+                "{at}: `{name}` has no equation that could be written: it is a block of this program, and no effect"
+            ));
+        };
+        let effect = effect.info();
         let estimate = Estimate { component, value, sigma };
         match effects.iter_mut().find(|(info, _)| info.name() == name) {
             Some((_, estimates)) => estimates.push(estimate),
@@ -66,8 +73,8 @@ pub(super) fn read(path: &Path) -> Result<Calibration> {
         return Err(miette!("{at}: nothing was estimated, so there is nothing to write"));
     }
     Ok(Calibration {
-        filter: calibrated.filter.name(),
-        source: source(path, calibrated.filter.name(), &document)?,
+        filter: calibrated.filter.title(),
+        source: source(path, &calibrated.filter.title(), &document)?,
         reference_temperature: document["reference_temperature_c"].as_f64(),
         dither: calibrated.filter.needs_dither(),
         pulses: [("gyro-pulse", "rad", "gyro_rad_per_pulse"), ("accel-pulse", "m/s", "accel_m_s_per_pulse")]

@@ -8,6 +8,7 @@ use runs::{Calibrated, Values};
 use serde_json::Value;
 use sinscal::StateInfo;
 
+use crate::compose::compose;
 use crate::vocabulary::vocabulary;
 
 /// Calibrations are small; what is larger is some other file.
@@ -58,18 +59,21 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Calibrated, Value), Fault> {
         Some(Value::String(name)) => name,
         other => return Err(wrong("filter", other, "the name of a filter")),
     };
-    let Ok(chosen) = vocabulary().filter(name) else {
+    let Ok(base) = vocabulary().filter(name) else {
         return Err(fault(
             "filter",
             format!("there is no filter called {name}"),
             suggest::hint(name, filters),
         ));
     };
+    let chosen = compose(base.name(), &names(&document, "with")?, &names(&document, "without")?)
+        .map_err(|error| fault("with", error.to_string(), "the effects that were added to the filter"))?;
     let list = match document.get("parameters") {
         Some(Value::Array(list)) => list,
         other => return Err(wrong("parameters", other, "a list of parameters")),
     };
-    let (filter, known) = (chosen.name(), chosen.parameters());
+    let (filter, known) = (chosen.title(), chosen.parameters());
+    let filter = filter.as_str();
     let mut values = Values::new();
     for (index, parameter) in list.iter().enumerate() {
         let value = read_parameter(&format!("parameters[{index}]"), parameter, filter, &known, &values)?;
@@ -82,6 +86,18 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Calibrated, Value), Fault> {
         return Err(fault("parameters", problem, "every parameter of the filter must be there"));
     }
     Ok((Calibrated { filter: chosen, values }, document))
+}
+
+/// A list of names, empty where there is none.
+fn names(document: &Value, field: &str) -> Result<Vec<String>, Fault> {
+    let expected = || wrong(field, document.get(field), "a list of names");
+    match document.get(field) {
+        None => Ok(Vec::new()),
+        Some(Value::Array(list)) => {
+            list.iter().map(|name| name.as_str().map(str::to_owned).ok_or_else(expected)).collect()
+        }
+        Some(_) => Err(expected()),
+    }
 }
 
 /// One entry of the list, which comes after `before`.

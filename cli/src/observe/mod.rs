@@ -36,7 +36,8 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let target = self.results.target()?;
-        let filter = &*self.filter.filter;
+        let filter = self.filter.filter()?;
+        let filter = &*filter;
         let log = self.log.open()?;
         let setup = setup::of(&log, setup::initial(&log)?);
         let source = Source::new(&log, "observing");

@@ -21,6 +21,10 @@ const LEAST_DRAWN: f64 = 1e-3;
 #[derive(Serialize)]
 pub(super) struct Report {
     filter: &'static str,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    with: Vec<&'static str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    without: Vec<&'static str>,
     rank: usize,
     states: usize,
     tolerance: f64,
@@ -78,6 +82,8 @@ impl Report {
             .map(|(direction, left)| Weak { combination: direction.to_string(), sigma_left: *left });
         Self {
             filter: filter.name(),
+            with: filter.with(),
+            without: filter.without(),
             rank: analysis.rank,
             states: analysis.states.len(),
             tolerance: TOLERANCE,
