@@ -138,10 +138,10 @@ impl Compensator {
         };
         self.last_rate = rate;
         Strapdown::restrict::<F, f64>(&mut signals);
+        let change_n = self.follow(&force, &((rate + before) * (0.5 * dt)), dt);
         if first && asks_for_change::<F>(&signals) {
             self.smooth_force = Some(force);
         }
-        let change_n = self.follow(&force, &((rate + before) * (0.5 * dt)), dt);
         let mut error = self.last_error;
         let (still_rate, still_force) = (STILL * rate.amax(), STILL * force.amax());
         for _ in 0..ROUNDS {
