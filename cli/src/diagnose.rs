@@ -14,7 +14,7 @@ use crate::arguments::{self, Columns, Results};
 use crate::report::diagnosis::{self, tenths};
 use crate::report::inputs::Inputs;
 use crate::{say, self_test, setup};
-use logs::{ColumnMap, Log, LogError};
+use logs::{Log, LogError, Reading};
 
 /// Name of the Rust file with the extended filter.
 const DECLARATION: &str = "extended_filter.rs";
@@ -62,8 +62,8 @@ struct Reread {
 }
 
 impl Reread {
-    fn new(path: &Path, columns: &ColumnMap) -> Result<Self> {
-        let log = arguments::open(path, columns)?;
+    fn new(path: &Path, reading: &Reading) -> Result<Self> {
+        let log = arguments::open(path, reading)?;
         let initial = setup::initial(&log)?;
         Ok(Self { log, initial })
     }
@@ -100,8 +100,9 @@ impl Arguments {
             // the parser of the command line lets nothing else through
             _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, &target),
         };
-        let first = Reread::new(log, &self.columns.map())?;
-        let second = self.verify.as_deref().map(|log| Reread::new(log, &self.columns.map())).transpose()?;
+        let first = Reread::new(log, &self.columns.reading())?;
+        let second =
+            self.verify.as_deref().map(|log| Reread::new(log, &self.columns.reading())).transpose()?;
 
         let first_setup = setup::of(&first.log, first.initial);
         let second_setup = second.as_ref().map(|second| setup::of(&second.log, second.initial));

@@ -17,6 +17,7 @@ mod export;
 mod figures;
 mod filters;
 mod history;
+mod look;
 mod navigate;
 mod observe;
 mod output;
@@ -42,6 +43,7 @@ const AFTER_HELP: &str = "\
 Examples:
   sinscal demo                                        the whole story, no files needed
   sinscal simulate --out runs/unit-3 --seed 3         a log with its truth
+  sinscal look runs/unit-3                            what a log holds, before anything is calibrated
   sinscal observe runs/unit-3 --filter 43d-b          what the log can show
   sinscal calibrate runs/unit-3 --filter 43d-b --out results
   sinscal diagnose runs/unit-3 --filter 36d-p --out findings
@@ -69,6 +71,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Demo(demo::Arguments),
+    Look(look::Arguments),
     Simulate(simulate::Arguments),
     Calibrate(calibrate::Arguments),
     Diagnose(diagnose::Arguments),
@@ -101,6 +104,7 @@ fn main() -> ExitCode {
     });
     let result = match cli.command {
         Command::Demo(arguments) => arguments.run(),
+        Command::Look(arguments) => arguments.run(),
         Command::Simulate(arguments) => arguments.run(),
         Command::Calibrate(arguments) => arguments.run(),
         Command::Diagnose(arguments) => arguments.run(),

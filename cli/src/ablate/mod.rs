@@ -66,8 +66,11 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let target = self.results.target()?;
         let log = self.log.open()?;
-        let swing =
-            self.swing.as_deref().map(|swing| arguments::open(swing, &self.log.columns.map())).transpose()?;
+        let swing = self
+            .swing
+            .as_deref()
+            .map(|swing| arguments::open(swing, &self.log.columns.reading()))
+            .transpose()?;
         let fits = run::calibrate(&log, self.passes)?;
         let (statistics, calibrations): (Vec<_>, Vec<_>) = fits
             .into_iter()

@@ -50,9 +50,6 @@ pub(crate) struct Arguments {
     /// How the covariance is kept
     #[arg(long, value_enum, default_value_t = Form::Conventional)]
     form: Form,
-    /// Fill gaps of up to this length by interpolated increments
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = gap)]
-    bridge_gaps: f64,
     #[command(flatten)]
     results: Results,
 }
@@ -89,18 +86,13 @@ fn far_out(parameter: &Parameter) -> bool {
         && Coarse::EFFECTS.contains(&parameter.info.block)
 }
 
-fn gap(text: &str) -> Result<f64, String> {
-    arguments::within(text, "seconds", 0.0, 10.0)
-}
-
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let started = Instant::now();
         let target = self.results.target()?;
         let filter = self.filter.filter;
-        let mut log = Log::open_counting(&self.log.log, &self.log.columns.map())?;
+        let mut log = Log::open_counting(&self.log.log, &self.log.columns.reading())?;
         arguments::tell(&log);
-        log.bridge_gaps(self.bridge_gaps);
         if self.coarse || log.unknown_pulses() != UnknownPulses::default() {
             setup::coarse(&mut log)?;
         }
