@@ -13,7 +13,7 @@ use crate::compose::Change;
 use crate::output::Target;
 use crate::vocabulary::vocabulary;
 use crate::{say, scenario};
-use logs::{ColumnMap, Log};
+use logs::{Axes, ColumnMap, Log, Reading, Stamps};
 
 /// What is worked on.
 #[derive(Args)]
@@ -24,43 +24,90 @@ pub(crate) struct LogArgument {
     pub(crate) columns: Columns,
 }
 
-/// Which variables of a file are the columns of the log format
+/// How a log is read
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct Columns {
     /// Names and units of the columns in a file that others wrote, such as gyro=wm,accel=acc:m/s^2,time=t
     ///
     /// Left stands a column of the log format (dtheta_x) or all of a kind: time, gyro, accel, gyro_pulse, accel_pulse, temp,
-    /// temp_gyro, dither, ref_vel, ref_pos, ref_quat. Right stands the file's variable, and after it, where needed, its columns,
-    /// counted from 0, and its unit; a minus before it turns the sign. What holds rates (deg/s, rad/s, g, m/s^2) becomes
-    /// increments by the time between rows. The same map serves every log of the command. Not needed for the names of the format,
-    /// nor for the seven columns [wm vm t] of PSINS in a MATLAB, NumPy or HDF5 file.
+    /// temp_gyro, dither, ref_vel, ref_pos, ref_quat, ref_lat, ref_lon, ref_height, ref_heading, ref_euler (or ref_roll, ref_pitch,
+    /// ref_yaw), ref_vel_sigma, ref_pos_sigma, ref_att_sigma, ref_fix; ref_time where the reference is a file of its own. Right
+    /// stands the file's variable, and after it, where needed, its columns, counted from 0, and its unit; a minus before it turns
+    /// the sign. A unit behind the name in the file, as in wx [deg/s], need not be repeated. What holds rates (deg/s, rad/s, g,
+    /// m/s^2) becomes increments by the time between rows. The same map serves every log of the command. Not needed for the names
+    /// of the format, nor for the seven columns [wm vm t] of PSINS in a MATLAB, NumPy or HDF5 file, nor NaveGo's imu.wb, imu.fb.
     ///
     ///   --map gyro=wm,accel=vm,time=t           three arrays
     ///   --map gyro=imu[0:3],accel=imu[3:6]:g    columns of one array, forces in g
-    ///   --map gyro=w:deg/s,time=t:ms            columns w_x, w_y, w_z (or wx, w.x ...) of a table
+    ///   --map gyro=w:deg/s,time=t:ms            columns w_x, w_y, w_z (or wx, w.x, w[0] ...) of a table
+    ///   --map 'gyro=Gyro {X,Y,Z} raw:deg/s'     three names with a common pattern
+    ///   --map 'accel=a:16384 LSB/g,gyro=g-32768:131 LSB/(deg/s)'   counts, and counts about 32768
+    ///   --map time=secs+nsecs                   a time in two columns
+    ///   --map temp=T,temp_gyro=T:K              one thermometer for three sensors, or for six, in kelvin
     ///   --map ref_quat=q[3,0,1,2]               the scalar comes last in the file
-    ///   --map dtheta_x=w[1],dtheta_y=w[0],dtheta_z=-w[2]    from forward-right-down
+    ///   --map dtheta_x=w[1],dtheta_y=w[0],dtheta_z=-w[2]    from forward-right-down; --axes does it too
     #[arg(long = "map", value_name = "NAME=VARIABLE,...", verbatim_doc_comment)]
     maps: Vec<ColumnMap>,
+    /// Which way the file's axes point, such as imu=frd,reference=ned
+    ///
+    /// Ours are right, forward, up (rfu) and east, north, up (enu). Three letters name the directions of the file's x, y and z:
+    /// r l f b u d for the unit, e w n s u d for the reference. Or in our axes: +y-x+z (which is flu) has the file's x along our y
+    /// and its y against our x; all 48 may be said, left-handed ones too. The attitude of the reference is turned along.
+    ///
+    ///   imu=frd              the unit; gyro=... and accel=... go before it for their own triad
+    ///   reference=ned        ref_vel, ref_pos, ref_quat, ref_euler
+    ///   quaternion=xyzw      the scalar comes last; 'quaternion=wxyz reference-to-body' is the inverse
+    ///   euler=zyx            the order in which ref_yaw, ref_pitch, ref_roll turn
+    #[arg(long, value_name = "NAME=DIRECTIONS,...", verbatim_doc_comment)]
+    axes: Option<Axes>,
+    /// What the stamps are worth: `trust` takes every step as long as it is, `rate` takes rows as evenly spaced by imu.rate_hz, `fit`
+    /// puts a straight line through jittered stamps
+    #[arg(long, value_name = "trust|rate|fit")]
+    stamps: Option<Stamps>,
+    /// Names of the columns of a text that has none, with commas between
+    #[arg(long = "columns", value_name = "NAMES", value_parser = names())]
+    names: Option<Names>,
+    /// Fill gaps of up to so many seconds with interpolated rows
+    #[arg(long, value_name = "SECONDS", value_parser = gap)]
+    bridge_gaps: Option<f64>,
+}
+
+/// Names of columns.
+#[derive(Clone, Debug)]
+struct Names(Vec<String>);
+
+fn names() -> impl TypedValueParser<Value = Names> {
+    clap::builder::StringValueParser::new().try_map(|text| logs::column_names(&text).map(Names))
+}
+
+fn gap(text: &str) -> Result<f64, String> {
+    within(text, "seconds", 0.0, 10.0)
 }
 
 impl Columns {
     /// All that was given.
-    pub(crate) fn map(&self) -> ColumnMap {
-        self.maps.iter().cloned().collect()
+    pub(crate) fn reading(&self) -> Reading {
+        Reading {
+            map: self.maps.iter().cloned().collect(),
+            axes: self.axes.clone().unwrap_or_default(),
+            stamps: self.stamps,
+            columns: self.names.as_ref().map(|names| names.0.clone()),
+            bridge: self.bridge_gaps,
+            values: None,
+        }
     }
 }
 
 impl LogArgument {
     /// Opens it.
     pub(crate) fn open(&self) -> Result<Log> {
-        open(&self.log, &self.columns.map())
+        open(&self.log, &self.columns.reading())
     }
 }
 
 /// Opens a log and says what is odd about it.
-pub(crate) fn open(path: &Path, columns: &ColumnMap) -> Result<Log> {
-    let log = Log::open(path, columns)?;
+pub(crate) fn open(path: &Path, reading: &Reading) -> Result<Log> {
+    let log = Log::open(path, reading)?;
     tell(&log);
     Ok(log)
 }

@@ -33,6 +33,7 @@ mod diagnose;
 mod effects;
 mod export;
 mod filters;
+mod look;
 mod navigate;
 mod new;
 mod observe;
@@ -63,6 +64,7 @@ const AFTER_HELP: &str = "\
 Examples:
   sinscal demo                                        the whole story, no files needed
   sinscal simulate --out runs/unit-3 --seed 3         a log with its truth
+  sinscal look runs/unit-3                            what a log holds, before anything is calibrated
   sinscal observe runs/unit-3 --filter 43d-b          what the log can show
   sinscal calibrate runs/unit-3 --filter 43d-b --out results
   sinscal diagnose runs/unit-3 --filter 36d-p --out findings
@@ -90,6 +92,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Demo(demo::Arguments),
+    Look(look::Arguments),
     Simulate(simulate::Arguments),
     Calibrate(calibrate::Arguments),
     Diagnose(diagnose::Arguments),
@@ -154,6 +157,7 @@ fn run() -> ExitCode {
     });
     let result = match cli.command {
         Command::Demo(arguments) => arguments.run(),
+        Command::Look(arguments) => arguments.run(),
         Command::Simulate(arguments) => arguments.run(),
         Command::Calibrate(arguments) => arguments.run(),
         Command::Diagnose(arguments) => arguments.run(),

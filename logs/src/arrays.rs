@@ -3,10 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::columns::{Batch, NAMES, Source};
+use super::columns::{Batch, Group, NAMES, Source};
 use super::fault::LogError;
-use super::layout::{Holds, Layout, Variable};
-use super::map::ColumnMap;
+use super::layout::{Asked, Holds, Layout, Variable};
 
 /// Numbers of a log in memory, bytes; CSV and Parquet are read in pieces and may be larger.
 pub(super) const LARGEST: u64 = 2 << 30;
@@ -68,7 +67,7 @@ pub(super) fn load(
     path: &Path,
     named: Vec<Named>,
     file: &mut dyn Arrays,
-    map: &ColumnMap,
+    asked: Asked<'_>,
 ) -> Result<(Memory, Layout), LogError> {
     let shapes: Vec<Result<Shape, String>> =
         named.iter().map(|array| array.dims.clone().and_then(|dims| Shape::of(&dims))).collect();
@@ -80,7 +79,7 @@ pub(super) fn load(
             width: shape.as_ref().map(|shape| shape.columns).map_err(Clone::clone),
         })
         .collect();
-    let layout = Layout::new(path, &variables, Holds::Arrays, map)?;
+    let layout = Layout::new(path, &variables, Holds::Arrays, asked)?;
     let rows = check_rows(path, &variables, &shapes, &layout)?;
     let mut columns = [const { Vec::new() }; NAMES.len()];
     for (index, (variable, shape)) in variables.iter().zip(&shapes).enumerate() {
@@ -152,11 +151,12 @@ fn check_rows(
 pub(super) struct MemorySource {
     memory: Arc<Memory>,
     next: usize,
+    origin: f64,
 }
 
 impl MemorySource {
     pub(super) fn new(memory: Arc<Memory>) -> Self {
-        Self { memory, next: 0 }
+        Self { memory, next: 0, origin: 0.0 }
     }
 }
 
@@ -169,9 +169,16 @@ impl Source for MemorySource {
                 batch.column_mut(slot).extend_from_slice(rows);
             }
         }
+        if self.origin != 0.0 {
+            batch.column_mut(Group::TIME.first).iter_mut().for_each(|time| *time -= self.origin);
+        }
         batch.rows = end - self.next;
         self.next = end;
         Ok(())
+    }
+
+    fn count_from(&mut self, origin: i64) {
+        self.origin = origin as f64;
     }
 
     fn position(&self) -> u64 {

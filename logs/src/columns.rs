@@ -3,7 +3,7 @@
 use super::fault::LogError;
 
 /// Every column of the format; a slot is an index into this list.
-pub(super) const NAMES: [&str; 32] = [
+pub(super) const NAMES: [&str; 48] = [
     "time_s",
     "dtheta_x",
     "dtheta_y",
@@ -36,6 +36,22 @@ pub(super) const NAMES: [&str; 32] = [
     "ref_quat_x",
     "ref_quat_y",
     "ref_quat_z",
+    "ref_lat_deg",
+    "ref_lon_deg",
+    "ref_height_m",
+    "ref_heading_deg",
+    "ref_roll_deg",
+    "ref_pitch_deg",
+    "ref_yaw_deg",
+    "ref_vel_sigma_e",
+    "ref_vel_sigma_n",
+    "ref_vel_sigma_u",
+    "ref_pos_sigma_e",
+    "ref_pos_sigma_n",
+    "ref_pos_sigma_u",
+    "ref_att_sigma_deg",
+    "ref_fix",
+    "time_ns",
 ];
 
 /// Columns that come together or not at all.
@@ -60,7 +76,22 @@ impl Group {
     pub(super) const REF_POS: Self = Self { first: 25, len: 3 };
     pub(super) const REF_QUAT: Self = Self { first: 28, len: 4 };
 
-    pub(super) const ALL: [Self; 11] = [
+    /// Geodetic latitude and longitude.
+    pub(super) const REF_LATLON: Self = Self { first: 32, len: 2 };
+    pub(super) const REF_HEIGHT: Self = Self { first: 34, len: 1 };
+    /// East of north.
+    pub(super) const REF_HEADING: Self = Self { first: 35, len: 1 };
+    /// Angles about the x, y and z of the file's body.
+    pub(super) const REF_EULER: Self = Self { first: 36, len: 3 };
+    pub(super) const REF_VEL_SIGMA: Self = Self { first: 39, len: 3 };
+    pub(super) const REF_POS_SIGMA: Self = Self { first: 42, len: 3 };
+    pub(super) const REF_ATT_SIGMA: Self = Self { first: 45, len: 1 };
+    /// What a receiver says of the quality of its fix.
+    pub(super) const REF_FIX: Self = Self { first: 46, len: 1 };
+    /// The part of a second, where time stands in two columns.
+    pub(super) const TIME_NANOS: Self = Self { first: 47, len: 1 };
+
+    pub(super) const ALL: [Self; 20] = [
         Self::TIME,
         Self::DTHETA,
         Self::DVEL,
@@ -72,7 +103,32 @@ impl Group {
         Self::REF_VEL,
         Self::REF_POS,
         Self::REF_QUAT,
+        Self::REF_LATLON,
+        Self::REF_HEIGHT,
+        Self::REF_HEADING,
+        Self::REF_EULER,
+        Self::REF_VEL_SIGMA,
+        Self::REF_POS_SIGMA,
+        Self::REF_ATT_SIGMA,
+        Self::REF_FIX,
+        Self::TIME_NANOS,
     ];
+
+    /// Whether it belongs to the reference.
+    pub(super) fn is_of_reference(self) -> bool {
+        (Self::REF_VEL.first..=Self::REF_FIX.first).contains(&self.first)
+    }
+
+    /// Whether one reading may serve all of its columns: one thermometer for three sensors.
+    pub(super) fn may_be_shared(self) -> bool {
+        let shared = [Self::TEMP, Self::TEMP_GYRO, Self::DITHER, Self::REF_VEL_SIGMA, Self::REF_POS_SIGMA];
+        shared.into_iter().any(|group| group.slots().contains(&self.first))
+    }
+
+    /// The group of a slot.
+    pub(super) fn of(slot: usize) -> Self {
+        Self::ALL.into_iter().find(|group| group.slots().contains(&slot)).unwrap_or(Self::TIME)
+    }
 
     /// Its columns.
     pub(super) fn slots(self) -> std::ops::Range<usize> {
@@ -91,7 +147,7 @@ pub(super) const NEEDED: &str = "every row needs a number here; leave the row ou
 
 /// Whether a cell of this slot may be empty: everything may but time and increments.
 pub(super) fn may_be_empty(slot: usize) -> bool {
-    slot >= Group::TEMP.first
+    slot >= Group::TEMP.first && slot != Group::TIME_NANOS.first
 }
 
 /// Some consecutive rows of a table, column by column.
@@ -117,10 +173,17 @@ impl Batch {
         &mut self.columns[slot]
     }
 
-    /// The time column, and another to be changed.
-    pub(super) fn times_and(&mut self, slot: usize) -> (&[f64], &mut [f64]) {
-        let (times, others) = self.columns.split_at_mut(1);
-        (&times[0], others.get_mut(slot.wrapping_sub(1)).map_or(&mut [], |column| column))
+    /// The rows of a group whose columns are all there, to be changed in place.
+    pub(super) fn change<const N: usize>(&mut self, group: Group, change: impl Fn([f64; N]) -> [f64; N]) {
+        if self.columns[group.slots()].iter().any(|column| column.len() != self.rows) {
+            return;
+        }
+        for row in 0..self.rows {
+            let changed = change(std::array::from_fn(|of| self.columns[group.first + of][row]));
+            for (of, value) in changed.into_iter().enumerate() {
+                self.columns[group.first + of][row] = value;
+            }
+        }
     }
 
     /// The time column.
@@ -138,6 +201,9 @@ impl Batch {
 pub(super) trait Source {
     /// Replaces the rows of `batch` by the next ones; no rows at the end of the file.
     fn read(&mut self, batch: &mut Batch) -> Result<(), LogError>;
+
+    /// Counts times from here, in the unit of the file: taken off before a time becomes a number of 53 bits.
+    fn count_from(&mut self, origin: i64);
 
     /// How far reading has come, in the unit of the table's size.
     fn position(&self) -> u64;

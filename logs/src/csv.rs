@@ -1,18 +1,21 @@
-//! Tables as comma-separated text: one header line, then one line per row.
+//! Tables of text: lines above the names, one line of names, then one line per row, in whatever [`Dialect`].
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use super::columns::{Batch, NAMES, NEEDED, Source, may_be_empty};
+use super::columns::{Batch, Group, NAMES, NEEDED, Source, may_be_empty};
+use super::dialect::{self, Dialect, Splitter};
+use super::exact;
 use super::fault::{LogError, shown};
-use super::layout::{Holds, Layout, Variable};
-use super::map::ColumnMap;
+use super::layout::{Asked, Holds, Layout, Variable};
 
 /// No line of a log is longer; a file without line ends must not fill the memory.
 const LONGEST_LINE: u64 = 1 << 16;
 /// Rows per batch.
 const ROWS: usize = 4096;
+/// So many lines, of so many bytes together, show how a file is written.
+const HEAD: (usize, usize) = (200, 1 << 16);
 
 /// What other files begin with, what they are, and what to do.
 const OTHERS: [(&[u8], &str, &str); 8] = [
@@ -28,12 +31,18 @@ const OTHERS: [(&[u8], &str, &str); 8] = [
 /// What a line that is a comment begins with, in the languages that write logs.
 const COMMENTS: [&str; 4] = ["#", "%", "//", "\"#"];
 
-/// A CSV file being read.
+/// A table of text being read.
 pub(super) struct CsvSource {
     path: PathBuf,
     lines: Lines,
-    /// Slot of each column of the file, if it is read.
-    slots: Vec<Option<usize>>,
+    splitter: Splitter,
+    decimal_comma: bool,
+    /// Every row ends with a separator.
+    trailing: bool,
+    /// Slots that each column of the file fills.
+    slots: Vec<Vec<usize>>,
+    /// Times are counted from here.
+    origin: Option<i64>,
     row: u64,
     /// Line of each row of the batch.
     numbers: Vec<u64>,
@@ -41,68 +50,72 @@ pub(super) struct CsvSource {
 
 impl CsvSource {
     /// Opens a file and reads its header.
-    pub(super) fn open(path: &Path, map: &ColumnMap) -> Result<(Self, Layout), LogError> {
-        let file = File::open(path).map_err(|error| super::unreadable(path, &error))?;
-        let mut reader = BufReader::with_capacity(1 << 16, file);
-        let start = reader.fill_buf().map_err(|error| super::unreadable(path, &error))?;
+    pub(super) fn open(path: &Path, asked: Asked<'_>) -> Result<(Self, Layout), LogError> {
+        let failed = |error: &std::io::Error| super::unreadable(path, error);
+        let mut file = File::open(path).map_err(|error| failed(&error))?;
+        let mut start = Vec::new();
+        (&mut file).take(16).read_to_end(&mut start).map_err(|error| failed(&error))?;
         if let Some((_, what, help)) = OTHERS.iter().find(|(magic, ..)| start.starts_with(magic)) {
             return Err(LogError::file(path, format!("is {what}")).help(*help));
         }
-        let mut lines = Lines { reader, line: Vec::new(), position: 0, number: 0 };
-        if !lines.advance().map_err(|problem| LogError::file(path, problem))? {
-            return Err(LogError::file(path, "is empty")
-                .help("a header line and one line per IMU sample were expected"));
-        }
-        let header = header(path, &lines.line)?;
-        let known = |piece: &str| NAMES.contains(&unquoted(piece).to_ascii_lowercase().as_str());
-        if header.chars().all(|c| c.is_ascii_digit() || "+-.,;eE \t\"".contains(c)) {
-            return Err(LogError::file(path, "line 1 holds numbers, the names of the columns were expected"));
-        }
-        if is_comment(header)
-            && !header.split(',').any(|name| known(name.trim_start_matches(['#', '%', '/'])))
-        {
-            let problem = "line 1 is a comment, the names of the columns were expected";
-            return Err(LogError::file(path, problem)
-                .help("leave comments out: the names of the columns come first; the description has room for remarks"));
-        }
-        if !header.contains(',')
-            && header.split([';', '\t', ' ', '|']).filter(|piece| known(piece)).count() > 1
-        {
-            let help = "write commas between fields and points in numbers";
-            return Err(LogError::file(path, "line 1: fields must be separated by commas").help(help));
-        }
-        let names: Vec<&str> = header.split(',').map(unquoted).collect();
-        let variable = |name: &&str| Variable { name: (*name).to_owned(), width: Ok(1) };
+        let (dialect, skipped) = head(path)?;
+        let names = names(path, &dialect, asked)?;
+        let variable = |name: &String| Variable { name: name.clone(), width: Ok(1) };
         let variables: Vec<Variable> = names.iter().map(variable).collect();
-        let layout = Layout::new(path, &variables, Holds::Columns, map)?;
-        let mut slots = vec![None; variables.len()];
+        let layout = Layout::new(path, &variables, Holds::Columns, asked)?;
+        let mut slots = vec![Vec::new(); variables.len()];
         for (slot, place) in layout.columns() {
-            slots[place.variable] = Some(slot);
+            slots[place.variable].push(slot);
         }
-        Ok((Self { path: path.to_owned(), lines, slots, row: 0, numbers: Vec::new() }, layout))
+        let mut lines = Lines::open(path, dialect.separator)?;
+        while lines.number < skipped && lines.advance().map_err(|problem| LogError::file(path, problem))? {}
+        let source = Self {
+            path: path.to_owned(),
+            lines,
+            splitter: Splitter::new(dialect.separator),
+            decimal_comma: dialect.decimal_comma,
+            trailing: dialect.trailing,
+            slots,
+            origin: None,
+            row: 0,
+            numbers: Vec::new(),
+        };
+        Ok((source, layout))
     }
 
     /// One line into one row.
-    fn parse(&self, batch: &mut Batch) -> Result<(), LogError> {
+    fn parse(&mut self, batch: &mut Batch) -> Result<(), LogError> {
         let Ok(text) = std::str::from_utf8(&self.lines.line) else {
             return Err(self.fault(None, "is not text").help("save the table as UTF-8"));
         };
-        let fields = text.split(',').count();
-        if fields != self.slots.len() {
+        let Some(fields) = self.splitter.split(text) else {
+            let help = "quotes stand on both sides of a field, in one line";
+            return Err(self.fault(None, "has a quote that does not end").help(help));
+        };
+        let expected = self.slots.len() + usize::from(self.trailing);
+        if fields != expected {
             return Err(self.miscounted(text, fields));
         }
-        for (field, &slot) in text.split(',').zip(&self.slots) {
-            let Some(slot) = slot else { continue };
-            let field = unquoted(field);
-            let value = match field.parse::<f64>() {
-                Ok(value) => value,
-                Err(_) if field.is_empty() && may_be_empty(slot) => f64::NAN,
-                Err(_) => return Err(self.not_a_number(field, slot)),
-            };
-            batch.column_mut(slot).push(value);
+        for (field, slots) in self.splitter.fields().zip(&self.slots) {
+            for &slot in slots {
+                let value = match self.number(field, slot) {
+                    Some(value) => value,
+                    None if field.is_empty() && may_be_empty(slot) => f64::NAN,
+                    None => return Err(self.not_a_number(field, slot)),
+                };
+                batch.column_mut(slot).push(value);
+            }
         }
         batch.rows += 1;
         Ok(())
+    }
+
+    fn number(&self, field: &str, slot: usize) -> Option<f64> {
+        match self.origin.filter(|_| slot == Group::TIME.first) {
+            Some(origin) if self.decimal_comma => exact::since(&field.replacen(',', ".", 1), origin),
+            Some(origin) => exact::since(field, origin),
+            None => dialect::number(field, self.decimal_comma),
+        }
     }
 
     /// A fault of the row being read.
@@ -113,7 +126,7 @@ impl CsvSource {
 
     #[cold]
     fn miscounted(&self, text: &str, fields: usize) -> LogError {
-        let expected = self.slots.len();
+        let expected = self.slots.len() + usize::from(self.trailing);
         let plural = if fields == 1 { "" } else { "s" };
         let mut problem = format!("has {fields} field{plural}, the header has {expected}");
         if fields == 1 {
@@ -123,7 +136,7 @@ impl CsvSource {
             "comments are not read: leave the line out"
         } else if fields < expected {
             "fields are missing, or the file is cut off in this row"
-        } else if !text.contains('.') {
+        } else if !text.contains('.') && !self.decimal_comma {
             "decimal commas? Numbers are written with a point, and fields are separated by commas"
         } else {
             "a comma too many? Numbers are written with a point, without a separator of thousands"
@@ -158,6 +171,10 @@ impl CsvSource {
 }
 
 impl Source for CsvSource {
+    fn count_from(&mut self, origin: i64) {
+        self.origin = Some(origin);
+    }
+
     fn read(&mut self, batch: &mut Batch) -> Result<(), LogError> {
         batch.clear();
         self.numbers.clear();
@@ -182,22 +199,59 @@ impl Source for CsvSource {
     }
 }
 
-/// The first line as text.
-fn header<'a>(path: &Path, line: &'a [u8]) -> Result<&'a str, LogError> {
+/// How a file is written, and the number of the last line before its rows.
+fn head(path: &Path) -> Result<(Dialect, u64), LogError> {
+    let mut lines = Lines::open(path, dialect::Separator::Byte(b'\t'))?;
+    let mut head: Vec<(u64, Vec<u8>)> = Vec::new();
+    let mut bytes = 0;
+    while head.len() < HEAD.0 && bytes < HEAD.1 {
+        match lines.advance() {
+            Ok(true) => {}
+            Ok(false) => break,
+            Err(problem) if head.is_empty() => return Err(LogError::file(path, problem)),
+            // it is told with its row, when that is read
+            Err(_) => break,
+        }
+        if head.is_empty() {
+            check_text(path, &lines.line)?;
+        }
+        bytes += lines.line.len();
+        head.push((lines.number, lines.line.clone()));
+    }
+    if head.is_empty() {
+        return Err(
+            LogError::file(path, "is empty").help("a header line and one line per IMU sample were expected")
+        );
+    }
+    let bare = |line: &[u8]| line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line).to_owned();
+    let texts: Vec<String> =
+        head.iter().map(|(_, line)| String::from_utf8_lossy(&bare(line)).into_owned()).collect();
+    let dialect = Dialect::of(&texts.iter().map(String::as_str).collect::<Vec<_>>());
+    if let Some((number, line)) = dialect.header.and_then(|header| head.get(header))
+        && let Err(error) = std::str::from_utf8(&bare(line))
+    {
+        let before = String::from_utf8_lossy(&bare(line)[..error.valid_up_to()]).into_owned();
+        let before = shown(before.rsplit(',').next().unwrap_or_default(), 40);
+        let problem = format!("line {number} is not UTF-8 text after `{before}`");
+        return Err(LogError::file(path, problem).help("save it as UTF-8"));
+    }
+    let skipped =
+        dialect.above.checked_sub(1).and_then(|last| head.get(last)).map_or(0, |(number, _)| *number);
+    Ok((dialect, skipped))
+}
+
+/// Refuses what is no text with lines.
+fn check_text(path: &Path, line: &[u8]) -> Result<(), LogError> {
     let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
     let fault = |problem: &str, help: &str| Err(LogError::file(path, problem).help(help));
     match std::str::from_utf8(line) {
-        Ok(text) if text.contains('\r') => fault(
+        _ if line.contains(&b'\r') => fault(
             "ends its lines as old Macs did, with CR alone",
             "save it with line ends of Unix or Windows",
         ),
-        Ok(text) if !text.contains('\0') => Ok(text),
+        Ok(_) if !line.contains(&0) => Ok(()),
         Ok(_) if line.get(1) == Some(&0) => fault("is UTF-16 text", "save it as UTF-8"),
-        Err(error) if error.valid_up_to() > 0 && !line.contains(&0) => {
-            let before = String::from_utf8_lossy(&line[..error.valid_up_to()]);
-            let before = shown(before.rsplit(',').next().unwrap_or_default(), 40);
-            fault(&format!("line 1 is not UTF-8 text after `{before}`"), "save it as UTF-8")
-        }
+        Err(error) if error.valid_up_to() > 0 && !line.contains(&0) => Ok(()),
         _ => fault(
             "is not text: a CSV table with a header line was expected",
             "export the table as CSV in UTF-8",
@@ -205,15 +259,36 @@ fn header<'a>(path: &Path, line: &'a [u8]) -> Result<&'a str, LogError> {
     }
 }
 
+/// The names of the columns: those in the file, or those that were given.
+fn names(path: &Path, dialect: &Dialect, asked: Asked<'_>) -> Result<Vec<String>, LogError> {
+    match (asked.columns, &dialect.names) {
+        (Some(given), _) if given.len() == dialect.width => Ok(given.to_vec()),
+        (Some(given), _) => {
+            let problem = format!("has {} columns, --columns names {}", dialect.width, given.len());
+            Err(LogError::file(path, problem)
+                .help("one name for each, in the order of the file, with commas between"))
+        }
+        (None, Some(names)) => Ok(names.clone()),
+        (None, None) => {
+            let line = dialect.above + 1;
+            let problem = format!("line {line} holds numbers, the names of the columns were expected");
+            let example = ["t", "wx", "wy", "wz", "ax", "ay", "az"];
+            let example: Vec<String> = (0..dialect.width)
+                .map(|at| example.get(at).map_or_else(|| format!("c{at}"), |name| (*name).to_owned()))
+                .collect();
+            let help = format!(
+                "name its {} columns, for instance --columns {}, and say which are which by --map",
+                dialect.width,
+                example.join(",")
+            );
+            Err(LogError::file(path, problem).help(help))
+        }
+    }
+}
+
 /// Whether a line is a comment, or would be one elsewhere.
 fn is_comment(line: &str) -> bool {
     COMMENTS.iter().any(|start| line.trim_start().starts_with(start))
-}
-
-/// Spaces and quotes around a field carry no meaning here: all fields are names or numbers.
-fn unquoted(field: &str) -> &str {
-    let field = field.trim();
-    field.strip_prefix('"').and_then(|field| field.strip_suffix('"')).unwrap_or(field)
 }
 
 /// Lines of bounded length, empty ones left out.
@@ -223,9 +298,18 @@ struct Lines {
     position: u64,
     /// Lines so far, empty ones too.
     number: u64,
+    /// Tabs at the end of a line separate fields.
+    keeps_tabs: bool,
 }
 
 impl Lines {
+    fn open(path: &Path, separator: dialect::Separator) -> Result<Self, LogError> {
+        let file = File::open(path).map_err(|error| super::unreadable(path, &error))?;
+        let reader = BufReader::with_capacity(1 << 16, file);
+        let keeps_tabs = separator == dialect::Separator::Byte(b'\t');
+        Ok(Self { reader, line: Vec::new(), position: 0, number: 0, keeps_tabs })
+    }
+
     /// Moves to the next line; `false` at the end of the file.
     fn advance(&mut self) -> Result<bool, String> {
         loop {
@@ -247,10 +331,11 @@ impl Lines {
                 }
                 .into());
             }
-            let content =
-                self.line.iter().rposition(|byte| !byte.is_ascii_whitespace()).map_or(0, |last| last + 1);
-            self.line.truncate(content);
-            if content > 0 {
+            let content = self.line.iter().rposition(|byte| !byte.is_ascii_whitespace());
+            let ends = |byte: &u8| byte.is_ascii_whitespace() && !(self.keeps_tabs && *byte == b'\t');
+            let end = self.line.iter().rposition(|byte| !ends(byte)).map_or(0, |last| last + 1);
+            self.line.truncate(end);
+            if content.is_some() {
                 return Ok(true);
             }
         }

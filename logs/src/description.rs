@@ -10,6 +10,9 @@
 //! | `[temperature]` | 25 degC |
 //! | `[outer_lever]` | zero |
 //! | `[prior]` | the priors of the blocks |
+//! | `[axes]` | the axes are ours: right, forward, up; east, north, up |
+//! | `[time]` | stamps stand as they are, gaps are not bridged |
+//! | `[table]` | names are those of the format or of `--map` |
 //!
 //! A table that is there is complete, except `[reference]`: a figure in it may be left out where nothing
 //! of the kind was measured.
@@ -17,6 +20,7 @@
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::str::FromStr;
 use std::sync::Arc;
 
 use crate::{suggest, units};
@@ -24,8 +28,11 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use sinscal::{EffectInfo, InitialAttitude, ReferenceSigma, SensorNoise, Site};
 use toml::de::{DeTable, DeValue};
 
+use super::axes;
 use super::fault::LogError;
 use super::fields::{self, Document, Must, Section};
+use super::increments::Values;
+use super::reading::{self, Reading};
 
 /// Descriptions are small; what is larger is some other file.
 const LARGEST: u64 = 1 << 20;
@@ -46,16 +53,61 @@ const PRIORS: (f64, f64) = (1e-15, 1e6);
 const TOML: &str = "a line is [TABLE] or NAME = VALUE; numbers have a point, no unit and no quotes (32.06), lists brackets ([1.0, \
                     0.0]), names of units straight quotes (\"ug\"); remarks begin with #";
 
-const IMU: &[&str] = &["rate_hz", "gyro_rad_per_pulse", "accel_m_s_per_pulse"];
+const IMU: &[&str] = &["rate_hz", "gyro_rad_per_pulse", "accel_m_s_per_pulse", "samples"];
 const SITE: &[&str] = &["latitude_deg", "longitude_deg", "height_m"];
 const INITIAL: &[&str] = &["quaternion_wxyz", "level_sigma_deg", "heading_sigma_deg"];
-const REFERENCE: &[&str] = &["velocity_sigma_m_s", "position_sigma_m", "attitude_sigma_deg"];
+const REFERENCE: &[&str] = &[
+    "velocity_sigma_m_s",
+    "position_sigma_m",
+    "attitude_sigma_deg",
+    "kind",
+    "file",
+    "offset_s",
+    "accept_fix",
+];
+const TIME: &[&str] = &["stamps", "bridge_gaps_s"];
+const TABLE: &[&str] = &["columns", "map"];
 const NOISE: &[&str] = &["gyro_arw_deg_sqrt_h", "accel_vrw_ug_sqrt_hz"];
-const SECTIONS: &[&str] =
-    &["imu", "site", "initial", "reference", "noise", "temperature", "outer_lever", "prior"];
+const SECTIONS: &[&str] = &[
+    "imu",
+    "site",
+    "initial",
+    "reference",
+    "noise",
+    "temperature",
+    "outer_lever",
+    "prior",
+    "axes",
+    "time",
+    "table",
+];
+
+/// What the reference of a log is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReferenceKind {
+    /// What stands in its columns.
+    Readings,
+    /// A point that does not move.
+    FixedPoint,
+    /// The rests of the unit.
+    Rests,
+}
+
+impl FromStr for ReferenceKind {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "readings" => Ok(Self::Readings),
+            "fixed-point" => Ok(Self::FixedPoint),
+            "rests" => Ok(Self::Rests),
+            _ => Err(format!("`{text}` is none of readings, fixed-point, rests")),
+        }
+    }
+}
 
 /// A checked description, in SI units.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Description {
     /// Nominal sampling rate, Hz.
     pub rate: f64,
@@ -80,6 +132,16 @@ pub struct Description {
     pub outer_lever: Vector3<f64>,
     /// Standard deviations by effect, SI.
     pub priors: Vec<(&'static str, f64)>,
+    /// What the reference is, where that is said.
+    pub reference_kind: Option<ReferenceKind>,
+    /// File of the reference, where it has one of its own.
+    pub(super) reference_file: Option<String>,
+    /// What is added to the times of that file, s.
+    pub(super) reference_offset: f64,
+    /// Fixes of a receiver that count.
+    pub(super) fixes: Option<Vec<f64>>,
+    /// How the table is read.
+    pub(super) reading: Reading,
 }
 
 /// Angle random walk that separates gyros that feel the Earth's rate from others, rad/sqrt(s).
@@ -148,6 +210,7 @@ impl Description {
                 None
             }
         };
+        let values = imu.and_then(|imu| doc.word(imu, "samples", samples));
         let mut pulse = |key| Some(Vector3::from(doc.list::<3>(imu?, key, Must::BeNonZero)?));
         let gyro_pulse = pulse("gyro_rad_per_pulse");
         let accel_pulse = pulse("accel_m_s_per_pulse");
@@ -161,6 +224,13 @@ impl Description {
             doc.optional(section?, REFERENCE[i], Must::LieWithin(least, most))
         };
         let given = [sigma(0), sigma(1), sigma(2)];
+        let reference_kind = section.and_then(|section| doc.word(section, "kind", str::parse));
+        let reference_file =
+            section.and_then(|section| doc.word(section, "file", |text| Ok(text.to_owned())));
+        let reference_offset =
+            section.and_then(|section| doc.optional(section, "offset_s", Must::BeFinite)).unwrap_or(0.0);
+        let fixes = section.and_then(|section| doc.numbers(section, "accept_fix"));
+        let reading = read_reading(doc, root, values);
         let reference = ReferenceSigma {
             velocity: given[0].unwrap_or(0.001),
             position: given[1].unwrap_or(0.002),
@@ -226,8 +296,43 @@ impl Description {
             reference_temperature: reference_temperature.ok_or_else(incomplete)?,
             outer_lever: outer_lever.ok_or_else(incomplete)?.into(),
             priors,
+            reference_kind,
+            reference_file,
+            reference_offset,
+            fixes,
+            reading,
         })
     }
+}
+
+/// What `imu.samples` may be.
+fn samples(text: &str) -> Result<Values, String> {
+    match text {
+        "averages" => Ok(Values::Averages),
+        "instants" => Ok(Values::Instants),
+        _ => Err(format!("`{text}` is neither averages (over the interval before the stamp) nor instants")),
+    }
+}
+
+/// How the table is read: `[axes]`, `[time]` and `[table]`.
+fn read_reading(doc: &mut Document<'_>, root: &DeTable<'_>, values: Option<Values>) -> Reading {
+    let mut reading = Reading { values, ..Reading::default() };
+    if let Some(section) = doc.section(root, "axes", Some(&axes::NAMES)) {
+        for name in axes::NAMES {
+            doc.word(section, name, |text| reading.axes.set(name, text));
+        }
+    }
+    if let Some(section) = doc.section(root, "time", Some(TIME)) {
+        reading.stamps = doc.word(section, "stamps", str::parse);
+        reading.bridge = doc.optional(section, "bridge_gaps_s", Must::LieWithin(0.0, 10.0));
+    }
+    if let Some(section) = doc.section(root, "table", Some(TABLE)) {
+        reading.columns = doc.word(section, "columns", reading::column_names);
+        if let Some(map) = doc.word(section, "map", str::parse) {
+            reading.map = map;
+        }
+    }
+    reading
 }
 
 fn read_site(doc: &mut Document<'_>, root: &DeTable<'_>) -> Option<Site> {

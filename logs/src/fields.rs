@@ -150,6 +150,47 @@ impl<'a> Document<'a> {
         self.optional(section, key, must)
     }
 
+    /// A text that need not be there, and what `read` makes of it.
+    pub(super) fn word<T>(
+        &mut self,
+        section: Section<'_>,
+        key: &str,
+        read: impl FnOnce(&str) -> Result<T, String>,
+    ) -> Option<T> {
+        let value = section.table.get(key)?;
+        let field = section.field(key);
+        match value.get_ref() {
+            DeValue::String(text) => match read(text) {
+                Ok(read) => Some(read),
+                Err(problem) => {
+                    self.refuse(value.span(), &field, &problem, None);
+                    None
+                }
+            },
+            other => {
+                let problem = format!("is {}, a text in quotes was expected", kind(other));
+                self.refuse(value.span(), &field, &problem, None);
+                None
+            }
+        }
+    }
+
+    /// A list of any numbers that need not be there.
+    pub(super) fn numbers(&mut self, section: Section<'_>, key: &str) -> Option<Vec<f64>> {
+        let value = section.table.get(key)?;
+        let field = section.field(key);
+        match value.get_ref() {
+            DeValue::Array(items) => {
+                items.iter().map(|item| self.number(item, &field, Must::BeFinite)).collect()
+            }
+            other => {
+                let problem = format!("is {}, a list of numbers was expected", kind(other));
+                self.refuse(value.span(), &field, &problem, None);
+                None
+            }
+        }
+    }
+
     /// A list of exactly `N` numbers that need not be there.
     pub(super) fn list<const N: usize>(
         &mut self,

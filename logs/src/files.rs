@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use super::arrays::{self, Arrays, Memory, Named};
 use super::fault::LogError;
-use super::layout::Layout;
-use super::map::ColumnMap;
+use super::layout::{Asked, Layout};
 use super::unreadable;
 
 /// What a description holds at least.
-const LEAST: &str = "at least: [imu] with rate_hz, and [site] with latitude_deg, longitude_deg, height_m";
+pub(super) const LEAST: &str =
+    "at least: [imu] with rate_hz, and [site] with latitude_deg, longitude_deg, height_m";
 
 /// What kind of file a table is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,12 +34,15 @@ const ENDINGS: [(&str, Kind); 7] = [
     ("npy", Kind::Npy),
 ];
 
+/// Endings of tables of text beside `.csv`, which goes before them where a log is named without.
+const TEXTS: [&str; 5] = ["txt", "log", "dat", "tsv", "asc"];
+
 /// Reads a file of arrays.
-pub(super) fn load(path: &Path, kind: Kind, map: &ColumnMap) -> Result<(Memory, Layout), LogError> {
+pub(super) fn load(path: &Path, kind: Kind, asked: Asked<'_>) -> Result<(Memory, Layout), LogError> {
     // MATLAB's v7.3 is HDF5 under another name
     let kind = if kind == Kind::Mat && is_hdf5(path)? { Kind::Hdf5 } else { kind };
     let (mut file, named) = open(path, kind)?;
-    arrays::load(path, named, file.as_mut(), map)
+    arrays::load(path, named, file.as_mut(), asked)
 }
 
 /// Opens a file of arrays, if this build can, and lists them.
@@ -79,10 +82,33 @@ fn is_hdf5(path: &Path) -> Result<bool, LogError> {
     Ok(start.starts_with(b"\x89HDF") || start.ends_with(b"\x00\x02IM") || start.ends_with(b"\x02\x00MI"))
 }
 
-/// The table, its kind, and the description of the log called `log`.
+/// What the ending of a file says it is.
+fn kind(path: &Path) -> Option<Kind> {
+    let ending = path.extension()?.to_str()?;
+    let text = TEXTS.contains(&ending).then_some(Kind::Csv);
+    ENDINGS.iter().find(|(known, _)| *known == ending).map(|(_, kind)| *kind).or(text)
+}
+
+/// A file of a reference, named in a description beside which it lies, and its kind.
+pub(super) fn beside(description: &Path, name: &str) -> Result<(PathBuf, Kind), LogError> {
+    let path = description.parent().unwrap_or(Path::new("")).join(name);
+    let Some(kind) = kind(&path) else {
+        let help = "its ending must be that of a table: .csv, .txt, .parquet, .mat, .h5, .npz ...";
+        return Err(LogError::file(&path, "is no table by its ending").help(help));
+    };
+    match std::fs::metadata(&path) {
+        Ok(metadata) if metadata.is_file() => Ok((path, kind)),
+        Ok(_) => Err(LogError::file(&path, "is not a regular file: the reference was expected")),
+        Err(error) => Err(unreadable(&path, &error)),
+    }
+}
+
+/// The table and its kind of the log called `log`, and where its description is, or would be.
 pub(super) fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
     let ending = log.extension().and_then(|ending| ending.to_str());
-    let named = ENDINGS.iter().find(|(known, _)| Some(*known) == ending);
+    let text = ending.and_then(|ending| TEXTS.iter().find(|known| **known == ending));
+    let text = text.map(|ending| (*ending, Kind::Csv)).filter(|_| log.is_file());
+    let named = ENDINGS.iter().copied().find(|(known, _)| Some(*known) == ending).or(text);
     let stem =
         if named.is_some() || ending == Some("toml") { log.with_extension("") } else { log.to_owned() };
     let with = |ending: &str| {
@@ -91,10 +117,20 @@ pub(super) fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
         name.push(ending);
         PathBuf::from(name)
     };
-    let there =
-        || ENDINGS.iter().map(|(ending, kind)| (with(ending), *kind)).filter(|(path, _)| is_there(path));
-    let (table, kind) = match (named, there().next(), there().nth(1)) {
-        (Some((ending, kind)), ..) => (with(ending), *kind),
+    let of = |endings: &[(&str, Kind)]| -> Vec<(PathBuf, Kind)> {
+        endings
+            .iter()
+            .map(|(ending, kind)| (with(ending), *kind))
+            .filter(|(path, _)| is_there(path))
+            .collect()
+    };
+    let mut there = of(&ENDINGS);
+    if there.is_empty() {
+        there = of(&TEXTS.map(|ending| (ending, Kind::Csv)));
+    }
+    let mut there = there.into_iter();
+    let (table, kind) = match (named, there.next(), there.next()) {
+        (Some((ending, kind)), ..) => (with(ending), kind),
         (None, Some((first, _)), Some((second, _))) => {
             let problem = format!("there is both {} and {}", first.display(), second.display());
             return Err(LogError::file(log, problem).help("name the one to read with its ending"));
@@ -106,7 +142,7 @@ pub(super) fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
                 with("parquet").display(),
                 with("csv").display()
             );
-            let endings = "the ending of a table must be .parquet, .csv, .mat, .h5, .hdf5, .npz or .npy";
+            let endings = "the ending of a table must be .parquet, .csv, .txt, .log, .dat, .tsv, .mat, .h5, .hdf5, .npz or .npy";
             let help = if let Some(other) = otherwise_spelled(&stem) {
                 Some(format!("there is {}: endings are written in small letters", other.display()))
             } else {
@@ -115,21 +151,25 @@ pub(super) fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
             return Err(LogError::file(log, problem).help_if(help));
         }
     };
-    let description = with("toml");
-    for (path, what) in [(&table, "table of samples"), (&description, "description of the log")] {
-        let metadata = std::fs::metadata(path).map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound if path.is_symlink() => {
-                LogError::file(path, format!("is a link to nothing: the {what} was expected"))
-            }
-            io::ErrorKind::NotFound => LogError::file(path, format!("the {what} is not there"))
-                .help_if((path == &description).then(|| LEAST.into())),
-            _ => unreadable(path, &error),
-        })?;
-        if !metadata.is_file() {
-            return Err(LogError::file(path, format!("is not a regular file: the {what} was expected")));
+    check_file(&table, "table of samples", None)?;
+    Ok((table, kind, with("toml")))
+}
+
+/// Whether a file is there, and is one.
+pub(super) fn check_file(path: &Path, what: &str, help: Option<&str>) -> Result<(), LogError> {
+    let metadata = std::fs::metadata(path).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound if path.is_symlink() => {
+            LogError::file(path, format!("is a link to nothing: the {what} was expected"))
         }
+        io::ErrorKind::NotFound => {
+            LogError::file(path, format!("the {what} is not there")).help_if(help.map(str::to_owned))
+        }
+        _ => unreadable(path, &error),
+    })?;
+    if !metadata.is_file() {
+        return Err(LogError::file(path, format!("is not a regular file: the {what} was expected")));
     }
-    Ok((table, kind, description))
+    Ok(())
 }
 
 /// A file whose ending is one of a table but for capital letters.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use sinscal::Sample;
 
 use super::tests::support::{Done, Table};
-use super::{ColumnMap, Log, LogError};
+use super::{ColumnMap, Log, LogError, Reading};
 
 const DESCRIPTION: &str =
     "[imu]\nrate_hz = 10.0\n[site]\nlatitude_deg = 32.06\nlongitude_deg = 118.8\nheight_m = 20.0\n";
@@ -40,7 +40,7 @@ fn samples(bytes: &[u8], name: &str, map: &str, description: &str) -> Result<Vec
     fs::write(&path, bytes).expect("a table");
     fs::write(path.with_extension("toml"), description).expect("a description");
     let map = if map.is_empty() { ColumnMap::default() } else { map.parse().expect("a map") };
-    Log::open(&path, &map)?.samples()?.collect()
+    Log::open(&path, &Reading { map, ..Reading::default() })?.samples()?.collect()
 }
 
 fn of_fixture(name: &str, map: &str) -> Result<Vec<Sample>, LogError> {

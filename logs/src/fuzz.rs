@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use self::damage::damaged;
 use super::tests::support::{DESCRIPTION, Table};
-use super::{ColumnMap, Log};
+use super::{Log, Reading};
 
 #[path = "../../tests/common/damage.rs"]
 pub(crate) mod damage;
@@ -17,8 +17,8 @@ const ROWS: usize = 120;
 
 /// Reads the log in a folder to its end or its first fault; the number of rows.
 fn read(folder: &Path) -> usize {
-    let Ok(mut log) = Log::open(&folder.join("log"), &ColumnMap::default()) else { return 0 };
-    log.bridge_gaps(0.5);
+    let reading = Reading { bridge: Some(0.5), ..Reading::default() };
+    let Ok(log) = Log::open(&folder.join("log"), &reading) else { return 0 };
     let Ok(samples) = log.samples() else { return 0 };
     let mut rows = 0;
     for sample in samples {

@@ -1,15 +1,19 @@
 //! Where the columns of the log format stand in one file: by their own names, by the column map, or as PSINS lays them out.
 
+mod checks;
+mod known;
+mod mapped;
+mod own;
+
 use std::path::Path;
 
-use crate::suggest;
-
-use super::columns::{Batch, Group, NAMES};
+use super::axes::Axes;
+use super::columns::{Group, NAMES};
 use super::fault::{LogError, shown};
-use super::map::{ColumnMap, Entry, Unit};
+use super::map::{ColumnMap, Unit};
+use super::names::{self, Name};
+use super::written;
 
-/// A step longer than this many sampling intervals is a gap.
-pub(super) const LONGEST_STEP: f64 = 1.5;
 /// The seven columns `[wm vm t]` of PSINS.
 const PSINS: (&str, usize) = ("imu", 7);
 /// So many names of a foreign file are told.
@@ -33,12 +37,37 @@ pub(super) enum Holds {
     Arrays,
 }
 
+/// Which columns are looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Part {
+    /// All of them.
+    Whole,
+    /// All but those of the reference, which stand in a file of their own.
+    Unit,
+    /// Those of the reference.
+    Reference,
+}
+
+/// What is asked of a file.
+#[derive(Clone, Copy)]
+pub(super) struct Asked<'a> {
+    pub(super) map: &'a ColumnMap,
+    pub(super) axes: &'a Axes,
+    pub(super) part: Part,
+    /// Whether times are made from the rate whatever the file says.
+    pub(super) by_rate: bool,
+    /// Names of the columns of a text without names.
+    pub(super) columns: Option<&'a [String]>,
+}
+
 /// Where the columns of the format stand in one file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
     places: [Option<Place>; NAMES.len()],
     /// Names of what is not read.
     unused: Vec<String>,
+    /// What was recognised without being said.
+    pub(super) notes: Vec<String>,
 }
 
 /// Where one column of the format stands.
@@ -48,7 +77,7 @@ pub(super) struct Place {
     pub(super) variable: usize,
     /// Which of its columns.
     pub(super) column: usize,
-    unit: Unit,
+    pub(super) unit: Unit,
     /// What the file calls it, where that is not the name of the format.
     foreign: Option<String>,
 }
@@ -57,9 +86,12 @@ pub(super) struct Place {
 struct Search<'a> {
     path: &'a Path,
     variables: &'a [Variable],
+    names: Vec<Name>,
     holds: Holds,
+    asked: Asked<'a>,
     places: [Option<Place>; NAMES.len()],
     faults: Vec<LogError>,
+    notes: Vec<String>,
 }
 
 impl Layout {
@@ -68,31 +100,43 @@ impl Layout {
         path: &Path,
         variables: &[Variable],
         holds: Holds,
-        map: &ColumnMap,
+        asked: Asked<'_>,
     ) -> Result<Self, LogError> {
         let places = [const { None }; NAMES.len()];
-        let mut search = Search { path, variables, holds, places, faults: Vec::new() };
-        if map.is_empty() && !search.known() {
+        let names = variables.iter().map(|variable| Name::new(&variable.name)).collect();
+        let mut search =
+            Search { path, variables, names, holds, asked, places, faults: Vec::new(), notes: Vec::new() };
+        if asked.map.is_empty() && !search.known() {
             return Err(search.foreign());
         }
-        for entry in map.entries() {
-            search.map(entry);
+        for entry in asked.map.entries() {
+            match asked.part {
+                Part::Unit if entry.of_reference => {}
+                Part::Reference if !entry.of_reference => {}
+                _ => search.map(entry),
+            }
         }
-        search.own_names(map.is_empty());
-        search.psins();
+        search.own_names(asked.map.is_empty() && asked.part != Part::Reference);
+        search.layouts();
+        search.time();
         search.check();
         let used = |index: usize| search.places.iter().flatten().any(|place| place.variable == index);
         let unused = variables.iter().enumerate().filter(|(index, _)| !used(*index));
         let unused = unused.map(|(_, variable)| variable.name.clone()).collect();
         match LogError::all(search.faults) {
             Some(fault) => Err(fault),
-            None => Ok(Self { places: search.places, unused }),
+            None => Ok(Self { places: search.places, unused, notes: search.notes }),
         }
     }
 
     /// Whether all columns of a group are there.
     pub(super) fn has(&self, group: Group) -> bool {
         self.places[group.slots()].iter().all(Option::is_some)
+    }
+
+    /// The unit of a slot, that of the format where it is not there.
+    pub(super) fn unit(&self, slot: usize) -> Unit {
+        self.places.get(slot).and_then(Option::as_ref).map_or(Unit::SAME, |place| place.unit)
     }
 
     /// What is in the file and not read.
@@ -109,24 +153,6 @@ impl Layout {
     /// Slot and place of every column that is there.
     pub(super) fn columns(&self) -> impl Iterator<Item = (usize, &Place)> {
         self.places.iter().enumerate().filter_map(|(slot, place)| Some((slot, place.as_ref()?)))
-    }
-
-    /// Puts what was read into the units of the format. `last` is the time of the row before the batch.
-    pub(super) fn convert(&self, batch: &mut Batch, interval: f64, last: Option<f64>) {
-        let foreign = |(_, place): &(usize, &Place)| place.unit != Unit::SAME;
-        for (slot, place) in self.columns().filter(foreign) {
-            batch.column_mut(slot).iter_mut().for_each(|value| *value *= place.unit.scale);
-        }
-        for (slot, _) in self.columns().filter(foreign).filter(|(_, place)| place.unit.per_interval) {
-            let mut before = last;
-            let (times, values) = batch.times_and(slot);
-            for (time, value) in times.iter().zip(values) {
-                let step = before.replace(*time).map_or(interval, |before| time - before);
-                // the first row, and the row after a gap, last one interval
-                let usual = step > 0.0 && step <= LONGEST_STEP * interval;
-                *value *= if usual { step } else { interval };
-            }
-        }
     }
 
     /// Adds to a fault what the file calls the columns it is about.
@@ -158,15 +184,16 @@ impl<'a> Search<'a> {
     }
 
     fn find(&self, name: &str) -> Option<usize> {
-        self.variables.iter().position(|variable| variable.name == name)
+        names::find(&self.names, name)
     }
 
     /// Whether anything about the file is known without a map.
     fn known(&self) -> bool {
-        let mut names = self.variables.iter().map(|variable| variable.name.to_ascii_lowercase());
+        let mut names = self.names.iter().map(|name| name.stem().to_ascii_lowercase());
         names.any(|name| {
             NAMES.contains(&name.as_str()) || self.holds == Holds::Arrays && whole(&name).is_some()
         }) || self.psins_variable().is_some()
+            || self.navego_variable().is_some()
     }
 
     /// The fault that nothing is known of the file.
@@ -190,81 +217,12 @@ impl<'a> Search<'a> {
                 )
             }
         };
-        let help = format!("{example}; valid names: {}", NAMES.join(", "));
+        let fits = |group: Group, unit: &str| written::unit(group, unit).is_ok_and(|unit| unit.per_interval);
+        let help = match names::suggested(&self.names, fits) {
+            Some(map) => format!("this looks like {map}"),
+            None => format!("{example}; valid names: {}", NAMES.join(", ")),
+        };
         LogError::file(self.path, format!("none of its {first}")).help(help)
-    }
-
-    /// Places what one entry of the map names.
-    fn map(&mut self, entry: &Entry) {
-        let names = entry.group.names();
-        let Some(variable) = self.find(&entry.variable) else {
-            return self.map_components(entry);
-        };
-        let variables: &'a [Variable] = self.variables;
-        let width = match &variables[variable].width {
-            Ok(width) => *width,
-            Err(holds) => return self.unfit(entry.group, variable, holds),
-        };
-        let wanted = entry.columns.clone().unwrap_or_else(|| (0..width.min(names.len() + 1)).collect());
-        let problem = match wanted.iter().max() {
-            Some(most) if *most >= width => {
-                format!("has {}, counted from 0: there is no [{most}]", columns(width))
-            }
-            _ if wanted.len() != names.len() => {
-                format!(
-                    "has {}, `{}` needs {} ({})",
-                    columns(width),
-                    entry.name,
-                    names.len(),
-                    names.join(", ")
-                )
-            }
-            _ => {
-                for (slot, column) in entry.group.slots().zip(wanted) {
-                    let text = if width > 1 && entry.columns.is_none() {
-                        format!("{}[{column}]", entry.text)
-                    } else {
-                        entry.text.clone()
-                    };
-                    self.place(slot, variable, column, entry.unit, Some(text));
-                }
-                return;
-            }
-        };
-        let help = format!("which ones? For instance {}={}[0:{}]", entry.name, entry.variable, names.len());
-        let help = (width >= names.len()).then_some(help);
-        self.faults.push(self.about(&entry.variable, problem).help_if(help));
-        self.settle(entry.group, variable);
-    }
-
-    /// A triad as three variables with a common beginning: `gyro=w` is `w_x`, `w_y`, `w_z`, or `w.x`, or `wx`, or `wX`.
-    fn map_components(&mut self, entry: &Entry) {
-        let ends = entry.group.names().iter().filter_map(|name| name.rsplit('_').next());
-        let ends: Vec<&str> = ends.collect();
-        let single = |index: &usize| self.variables[*index].width == Ok(1);
-        let found = ["_", ".", "", "/"].iter().find_map(|joint| {
-            let find = |end: &str| self.find(&format!("{}{joint}{end}", entry.variable)).filter(single);
-            let all = |change: fn(&str) -> String| -> Option<Vec<usize>> {
-                ends.iter().map(|end| find(&change(end))).collect()
-            };
-            all(str::to_owned).or_else(|| all(str::to_ascii_uppercase))
-        });
-        match found.filter(|_| entry.group.len > 1 && entry.columns.is_none()) {
-            Some(found) => {
-                for (slot, variable) in entry.group.slots().zip(found) {
-                    let text = self.variables[variable].name.clone();
-                    self.place(slot, variable, 0, entry.unit, Some(text));
-                }
-            }
-            None => {
-                let names = self.variables.iter().map(|variable| variable.name.as_str()).take(LOOKED_AT);
-                let problem =
-                    format!("is not in the file, but --map {}={} asks for it", entry.name, entry.text);
-                let help = suggest::hint(&entry.variable, names);
-                self.faults.push(self.about(&entry.variable, problem).help(help));
-                self.settle(entry.group, usize::MAX);
-            }
-        }
     }
 
     /// The fault that a variable holds no numbers.
@@ -283,81 +241,14 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Places what goes by the names of the format.
-    fn own_names(&mut self, all_are_meant: bool) {
-        let variables: &'a [Variable] = self.variables;
-        for (index, variable) in variables.iter().enumerate() {
-            let name = variable.name.as_str();
-            let slot = NAMES.iter().position(|known| *known == name);
-            let group = match slot {
-                Some(first) => Some(Group { first, len: 1 }),
-                None => whole(name).filter(|_| self.holds == Holds::Arrays),
-            };
-            match (group, &variable.width) {
-                (Some(group), Ok(width)) if *width == group.len => {
-                    let mapped =
-                        self.places[group.slots()].iter().flatten().any(|place| place.foreign.is_some());
-                    // what the map says goes before
-                    if !mapped {
-                        for (column, slot) in group.slots().enumerate() {
-                            self.place(slot, index, column, Unit::SAME, None);
-                        }
-                    }
-                }
-                (Some(group), Ok(width)) => {
-                    let problem = format!("has {}, {} were expected", columns(*width), group.len);
-                    self.faults.push(self.about(name, problem));
-                    self.settle(group, index);
-                }
-                (Some(group), Err(holds)) => self.unfit(group, index, holds),
-                (None, _) if self.holds == Holds::Columns && all_are_meant => {
-                    self.faults.push(self.unknown(index, name));
-                }
-                (None, _) => {}
-            }
-        }
-    }
-
-    /// The fault that a column of a table is none of the format.
-    fn unknown(&self, index: usize, name: &str) -> LogError {
-        if name.is_empty() {
-            let problem = format!("{}: column {} has no name", self.path.display(), index + 1);
-            let help = "a column of row numbers, or a comma at the end of the lines? Leave it out";
-            return LogError::message(problem).help(help);
-        }
-        let hint = suggest::hint(name, NAMES);
-        LogError::column(self.path, &short(name), "is not a column of the log format").help(hint)
-    }
-
-    /// The array that is laid out as PSINS does: the one called so, or the only one.
-    fn psins_variable(&self) -> Option<usize> {
-        let named = self.find(PSINS.0);
-        let only = (self.variables.len() == 1).then_some(0);
-        let seven = |index: &usize| self.variables[*index].width == Ok(PSINS.1);
-        named.or(only).filter(seven).filter(|_| self.holds == Holds::Arrays)
-    }
-
-    /// Fills what is missing from the layout of PSINS.
-    fn psins(&mut self) {
-        let Some(variable) = self.psins_variable() else { return };
-        for (first, group, instead) in [
-            (0, Group::DTHETA, Some(Group::GYRO_PULSE)),
-            (3, Group::DVEL, Some(Group::ACCEL_PULSE)),
-            (6, Group::TIME, None),
-        ] {
-            if self.any(group) || instead.is_some_and(|group| self.any(group)) {
-                continue;
-            }
-            for (column, slot) in (first..).zip(group.slots()) {
-                let text = format!("{}[{column}]", self.variables[variable].name);
-                self.place(slot, variable, column, Unit::SAME, Some(text));
-            }
-        }
-    }
-
     fn place(&mut self, slot: usize, variable: usize, column: usize, unit: Unit, foreign: Option<String>) {
-        let taken = |place: &&Place| (place.variable, place.column) == (variable, column);
-        if let Some(place) = self.places.iter().flatten().find(taken) {
+        let taken = |(of, place): &(usize, &Option<Place>)| {
+            let same =
+                place.as_ref().is_some_and(|place| (place.variable, place.column) == (variable, column));
+            same && !(Group::of(*of).may_be_shared() && Group::of(slot).may_be_shared())
+        };
+        let other = self.places.iter().enumerate().find(taken).and_then(|(_, place)| place.as_ref());
+        if let Some(place) = other {
             let name = place.foreign.as_deref().unwrap_or(&self.variables[variable].name);
             let problem = format!("is asked for twice: as `{name}`, and as `{}`", NAMES[slot]);
             self.faults.push(self.about(&self.variables[variable].name, problem));
@@ -365,46 +256,6 @@ impl<'a> Search<'a> {
             self.faults.push(LogError::column(self.path, NAMES[slot], "stands there twice"));
         } else {
             self.places[slot] = Some(Place { variable, column, unit, foreign });
-        }
-    }
-
-    /// What must be there, and together.
-    fn check(&mut self) {
-        let path = self.path;
-        if !self.any(Group::TIME) {
-            let fault = LogError::column(path, "time_s", "is missing").help("the end of each interval, s");
-            self.faults.push(fault);
-        }
-        for (increments, pulses) in [(Group::DTHETA, Group::GYRO_PULSE), (Group::DVEL, Group::ACCEL_PULSE)] {
-            let (first, alternative) = (increments.names()[0], pulses.names()[0]);
-            match (self.any(increments), self.any(pulses)) {
-                (true, true) => {
-                    let problem =
-                        format!("stands beside `{alternative}`: increments or pulse counts, not both");
-                    self.faults.push(LogError::column(path, first, problem));
-                }
-                (false, false) => {
-                    let missing = increments.names().join(", ");
-                    let help = format!(
-                        "expected {missing} (or {} with the scales in [imu])",
-                        pulses.names().join(", ")
-                    );
-                    self.faults.push(LogError::column(path, first, "is missing").help(help));
-                }
-                _ => {}
-            }
-        }
-        for group in Group::ALL {
-            if !self.any(group) || self.has(group) {
-                continue;
-            }
-            let (there, missing): (Vec<usize>, Vec<usize>) =
-                group.slots().partition(|slot| self.places[*slot].is_some());
-            let names =
-                |slots: &[usize]| slots.iter().map(|slot| NAMES[*slot]).collect::<Vec<_>>().join("`, `");
-            let problem = format!("is missing beside `{}`", names(&there));
-            let help = format!("{} come together or not at all", group.names().join(", "));
-            self.faults.push(LogError::column(path, &names(&missing), problem).help(help));
         }
     }
 }

@@ -3,8 +3,10 @@
 //! A log is named by its path with or without ending. Without one, the table beside `NAME.toml` is taken; when there
 //! is both `NAME.parquet` and `NAME.csv` the ending must say which is meant, so that no stale copy is read unnoticed.
 //!
-//! Tables in text (`csv`) and `parquet` are read in pieces; files of arrays (`mat5`, `hdf5`, `npz`) are read into memory. A
-//! `layout` says where the columns of the format stand in a file, from its names and the `map` given on the command line.
+//! Tables in text (`csv`, in whatever `dialect`) and `parquet` are read in pieces; files of arrays (`mat5`, `hdf5`, `npz`) are
+//! read into memory. A `layout` says where the columns of the format stand in a file, from its `names` and the `map` of a
+//! [`Reading`]. A `table` puts what is read where it belongs, batch by batch: `stamps`, `increments`, `axes`, a reference that is
+//! `held` or `join`ed from a file of its own. The checks of `rows` and `still` come last, over samples as a filter gets them.
 
 mod ahead;
 #[cfg_attr(
@@ -12,9 +14,14 @@ mod ahead;
     allow(dead_code, reason = "what every reader uses, whichever are built in")
 )]
 mod arrays;
+mod axes;
+#[cfg(test)]
+mod cases;
 mod columns;
 mod csv;
 mod description;
+mod dialect;
+mod exact;
 mod fault;
 mod fields;
 mod files;
@@ -22,44 +29,61 @@ mod files;
 mod foreign;
 #[cfg(test)]
 mod fuzz;
+mod geodetic;
 mod guard;
 #[cfg(feature = "hdf5")]
 mod hdf5;
+mod held;
+mod increments;
+mod join;
+#[cfg(test)]
+mod kinds;
 mod layout;
+mod look;
 mod map;
 #[cfg(feature = "mat")]
 mod mat5;
+mod names;
 #[cfg(feature = "npz")]
 mod npz;
 mod pages;
 mod parquet;
+mod reading;
+mod rests;
 mod rows;
+mod stamps;
 mod still;
 pub mod suggest;
+mod table;
 #[cfg(test)]
 mod tests;
 pub mod units;
+mod written;
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
+use nalgebra::Vector3;
 use sinscal::{CoarseCalibration, Sample, UnknownPulses};
 
-use self::arrays::{Memory, MemorySource};
-use self::columns::{Batch, Group, Source};
-use self::csv::CsvSource;
-use self::files::Kind;
-use self::layout::Layout;
-use self::parquet::ParquetSource;
+use self::columns::{Batch, Group};
+use self::join::Joiner;
+use self::layout::Part;
 use self::rows::{Checker, Row};
 use self::still::Stillness;
+use self::table::{Known, Rows, Table};
 
 pub use self::ahead::Ahead;
-pub use self::description::Description;
+pub use self::axes::{Axes, Pointing};
+pub use self::description::{Description, ReferenceKind};
 pub use self::fault::LogError;
 pub use self::guard::decoding;
+pub use self::increments::Values;
+pub use self::look::{Look, Noise, look};
 pub use self::map::ColumnMap;
+pub use self::reading::{Reading, column_names};
+pub use self::rests::{Rest, RestFinder, Rests};
+pub use self::stamps::Stamps;
 
 /// A fixed point's reference holds at every instant; it is used at this rate, Hz.
 const FIXED_POINT_RATE: f64 = 1.0;
@@ -74,12 +98,9 @@ const DESCRIBED_ROWS: usize = 8;
 #[derive(Debug)]
 pub struct Log {
     description: Description,
-    table: PathBuf,
-    rows: Rows,
-    map: ColumnMap,
-    layout: Layout,
-    /// Rows or bytes: what reading it counts.
-    size: u64,
+    table: Table,
+    /// The reference, where it has a file of its own.
+    reference: Option<Table>,
     fixed_point: bool,
     bridge: f64,
     unknown: UnknownPulses,
@@ -87,18 +108,10 @@ pub struct Log {
     warnings: Vec<String>,
 }
 
-/// Where the rows are.
-#[derive(Debug)]
-enum Rows {
-    Parquet,
-    Csv,
-    Memory(Arc<Memory>),
-}
-
 impl Log {
     /// Finds the files of a log, reads the description and checks the columns. Pulses must have known sizes.
-    pub fn open(log: &Path, map: &ColumnMap) -> Result<Self, LogError> {
-        let log = Self::open_counting(log, map)?;
+    pub fn open(log: &Path, reading: &Reading) -> Result<Self, LogError> {
+        let log = Self::open_counting(log, reading)?;
         let help = "give the size of a pulse on each axis; where the log has still positions, `sinscal calibrate` finds it \
                     and says what to write";
         log.lacking_scale(help).map_or(Ok(log), Err)
@@ -111,61 +124,50 @@ impl Log {
             UnknownPulses { accel: true, .. } => (Group::ACCEL_PULSE, "accel_m_s_per_pulse"),
             UnknownPulses { .. } => return None,
         };
-        let description = self.table.with_extension("toml");
+        let description = self.table().with_extension("toml");
         let problem = format!("holds pulse counts, but {} lacks imu.{field}", description.display());
-        Some(LogError::column(&self.table, group.names()[0], problem).help(help))
+        Some(LogError::column(self.table(), group.names()[0], problem).help(help))
     }
 
     /// The same with pulses of unknown size: until [`correct`](Self::correct) says it, samples hold counts.
-    pub fn open_counting(log: &Path, map: &ColumnMap) -> Result<Self, LogError> {
-        let (table, kind, description_path) = files::find(log)?;
+    pub fn open_counting(log: &Path, reading: &Reading) -> Result<Self, LogError> {
+        let (path, kind, description_path) = files::find(log)?;
+        files::check_file(&description_path, "description of the log", Some(files::LEAST))?;
         let description = Description::read(&description_path)?;
-        let (rows, layout, size) = match kind {
-            Kind::Parquet => {
-                let (_, layout, rows) = ParquetSource::open(&table, map)?;
-                (Rows::Parquet, layout, rows)
-            }
-            Kind::Csv => {
-                let (_, layout) = CsvSource::open(&table, map)?;
-                let size = table.metadata().map_err(|error| unreadable(&table, &error))?.len();
-                (Rows::Csv, layout, size)
-            }
-            Kind::Mat | Kind::Hdf5 | Kind::Npz | Kind::Npy => {
-                let (memory, layout) = files::load(&table, kind, map)?;
-                let size = memory.rows as u64;
-                (Rows::Memory(Arc::new(memory)), layout, size)
-            }
+        let reading = reading.or(&description.reading);
+        let known = Known {
+            rate: Some(description.rate),
+            site: Some(description.site),
+            fixes: description.fixes.clone(),
+            origin: None,
         };
+        let apart = description.reference_file.as_deref();
+        let part = if apart.is_some() { Part::Unit } else { Part::Whole };
+        let table = Table::open(&path, kind, &reading, part, known.clone())?;
+        let reference = match apart {
+            Some(name) => {
+                let (path, kind) = files::beside(&description_path, name)?;
+                let origin = (table.plan.origin != 0).then_some(table.plan.origin);
+                let known = Known { rate: None, origin, ..known };
+                Some(Table::open(&path, kind, &reading, Part::Reference, known)?)
+            }
+            None => None,
+        };
+        let has =
+            |group| table.has(group) || reference.as_ref().is_some_and(|reference| reference.has(group));
         let unknown = UnknownPulses {
-            gyro: layout.has(Group::GYRO_PULSE) && description.gyro_pulse.is_none(),
-            accel: layout.has(Group::ACCEL_PULSE) && description.accel_pulse.is_none(),
+            gyro: has(Group::GYRO_PULSE) && description.gyro_pulse.is_none(),
+            accel: has(Group::ACCEL_PULSE) && description.accel_pulse.is_none(),
         };
-        let mut warnings = warnings(&description, &layout, &description_path);
-        if let Some(unused) = layout.unused() {
-            warnings.push(format!("{}: not used: {unused}", table.display()));
+        let mut warnings = warnings(&description, &has, &description_path);
+        for table in [Some(&table), reference.as_ref()].into_iter().flatten() {
+            let path = table.path().display();
+            warnings.extend(table.notes.iter().map(|note| format!("{path}: {note}")));
+            warnings.extend(table.unused().map(|unused| format!("{path}: not used: {unused}")));
         }
-        let fixed_point =
-            ![Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].into_iter().any(|group| layout.has(group));
-        Ok(Self {
-            description,
-            table,
-            rows,
-            map: map.clone(),
-            layout,
-            size,
-            fixed_point,
-            bridge: 0.0,
-            unknown,
-            coarse: None,
-            warnings,
-        })
-    }
-
-    /// Lets gaps of up to `seconds` be filled with interpolated increments.
-    ///
-    /// The rows put into a gap hold increments between those of its two ends, no reference and no new reading.
-    pub fn bridge_gaps(&mut self, seconds: f64) {
-        self.bridge = seconds;
+        let fixed_point = ![Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].into_iter().any(has);
+        let bridge = reading.bridge.unwrap_or(0.0);
+        Ok(Self { description, table, reference, fixed_point, bridge, unknown, coarse: None, warnings })
     }
 
     /// Which pulses have unknown sizes.
@@ -193,7 +195,7 @@ impl Log {
 
     /// The table's path.
     pub fn table(&self) -> &Path {
-        &self.table
+        self.table.path()
     }
 
     /// The reference is used at most this often, Hz.
@@ -208,7 +210,7 @@ impl Log {
 
     /// Length of the table in the unit of [`Samples::position`].
     pub fn size(&self) -> u64 {
-        self.size
+        self.table.size
     }
 
     /// [`samples`](Self::samples) in chunks, read by another thread ahead of who works on them.
@@ -218,39 +220,40 @@ impl Log {
 
     /// Starts reading from the first row.
     pub fn samples(&self) -> Result<Samples, LogError> {
-        let (source, layout): (Box<dyn Source + Send>, Layout) = match &self.rows {
-            Rows::Parquet => {
-                let (source, layout, _) = ParquetSource::open(&self.table, &self.map)?;
-                (Box::new(source), layout)
+        let has = |group| {
+            self.table.has(group) || self.reference.as_ref().is_some_and(|reference| reference.has(group))
+        };
+        let interval = 1.0 / self.description.rate;
+        let joiner = match &self.reference {
+            Some(reference) => {
+                let offset = self.description.reference_offset;
+                Some(Joiner::new(reference.path().to_owned(), reference.rows()?, offset, interval))
             }
-            Rows::Csv => {
-                let (source, layout) = CsvSource::open(&self.table, &self.map)?;
-                (Box::new(source), layout)
-            }
-            Rows::Memory(memory) => (Box::new(MemorySource::new(Arc::clone(memory))), self.layout.clone()),
+            None => None,
         };
         Ok(Samples {
-            checker: Checker::new(self.table.clone(), &self.description, &layout),
+            checker: Checker::new(self.table().to_owned(), &self.description, self.table.plan, &has),
             stillness: Stillness::new(
-                &self.table,
+                self.table(),
                 &self.description,
                 [
-                    if layout.has(Group::GYRO_PULSE) { Group::GYRO_PULSE } else { Group::DTHETA },
-                    if layout.has(Group::ACCEL_PULSE) { Group::ACCEL_PULSE } else { Group::DVEL },
+                    if has(Group::GYRO_PULSE) { Group::GYRO_PULSE } else { Group::DTHETA },
+                    if has(Group::ACCEL_PULSE) { Group::ACCEL_PULSE } else { Group::DVEL },
                 ],
                 self.unknown == UnknownPulses::default(),
             ),
-            source,
-            layout,
+            source: self.table.rows()?,
+            joiner,
             batch: Batch::new(),
-            last_time: None,
             next: 0,
             rows: 0,
-            table: self.table.clone(),
-            interval: 1.0 / self.description.rate,
+            table: self.table().to_owned(),
+            interval,
             bridge: self.bridge,
             coarse: self.coarse.clone(),
             gap: None,
+            before: None,
+            rates: self.table.rates(),
             last: None,
             bridged: Bridged::default(),
             in_row: false,
@@ -270,13 +273,11 @@ pub struct Bridged {
 
 /// The rows of a log in order, each checked. Ends after the first error.
 pub struct Samples {
-    source: Box<dyn Source + Send>,
-    layout: Layout,
+    source: Rows,
+    joiner: Option<Joiner>,
     checker: Checker,
     stillness: Stillness,
     batch: Batch,
-    /// Time of the last row of the batch before.
-    last_time: Option<f64>,
     /// Next row of the batch.
     next: usize,
     rows: u64,
@@ -285,7 +286,12 @@ pub struct Samples {
     bridge: f64,
     coarse: Option<CoarseCalibration>,
     gap: Option<Gap>,
-    last: Option<Sample>,
+    /// Time, rate and specific force of the last row read.
+    before: Option<(f64, Vector3<f64>, Vector3<f64>)>,
+    /// Whether gyros and accelerometers are given as rates.
+    rates: [bool; 2],
+    /// Time of the last sample given.
+    last: Option<f64>,
     bridged: Bridged,
     /// Whether the last fault was that of one row, so that reading can go on after it.
     in_row: bool,
@@ -294,8 +300,13 @@ pub struct Samples {
 
 /// A gap being filled.
 struct Gap {
-    before: Sample,
+    /// Time, rate and specific force before it.
+    before: (f64, Vector3<f64>, Vector3<f64>),
     after: Sample,
+    /// Rate and specific force of the row after it.
+    rates: (Vector3<f64>, Vector3<f64>),
+    /// Of each of its rows, s.
+    length: f64,
     steps: u64,
     step: u64,
 }
@@ -315,21 +326,23 @@ impl Samples {
     fn row(&mut self) -> Result<Option<Row>, LogError> {
         self.in_row = false;
         if self.next == self.batch.rows {
-            self.source.read(&mut self.batch).map_err(|fault| self.layout.explain(fault))?;
+            self.source.read(&mut self.batch)?;
             self.next = 0;
             if self.batch.rows == 0 {
                 if self.rows == 0 {
                     return Err(LogError::file(&self.table, "has no rows")
                         .help("one row per IMU sample was expected"));
                 }
+                self.joiner.as_mut().map_or(Ok(()), Joiner::finish)?;
                 return Ok(None);
             }
-            self.layout.convert(&mut self.batch, self.interval, self.last_time);
-            self.last_time = self.batch.times().last().copied();
-            self.checker.check_batch(&self.batch).map_err(|fault| self.layout.explain(fault))?;
+            if let Some(joiner) = &mut self.joiner {
+                joiner.join(&mut self.batch)?;
+            }
+            self.checker.check_batch(&self.batch).map_err(|fault| self.source.explain(fault))?;
         }
         self.in_row = true;
-        let place = |fault: LogError| self.layout.explain(fault).in_line(self.source.line(self.next));
+        let place = |fault: LogError| self.source.explain(fault).in_line(self.source.line(self.next));
         let row = match self.checker.check(&self.batch, self.next) {
             Ok(Row::AfterGap(sample, seconds, fault)) => Ok(Row::AfterGap(sample, seconds, place(fault))),
             row => row.map_err(place),
@@ -352,16 +365,32 @@ impl Samples {
         }
         match self.row()? {
             None => Ok(None),
-            Some(Row::Next(sample)) => Ok(Some(sample)),
+            Some(Row::Next(sample)) => {
+                let step = self.before.map_or(self.interval, |(time, ..)| sample.time - time);
+                self.before = Some(self.as_rates(&sample, step));
+                Ok(Some(sample))
+            }
             Some(Row::AfterGap(sample, seconds, fault)) => {
-                let Some(before) = self.last.filter(|_| seconds <= self.bridge) else { return Err(fault) };
+                let after = self.as_rates(&sample, self.interval);
+                let Some(before) = self.before.replace(after).filter(|_| seconds <= self.bridge) else {
+                    return Err(fault);
+                };
                 // A gap is at least 1.5 intervals long, so that there is a row to put in.
                 let steps = ((seconds / self.interval).round() as u64).max(2);
                 self.bridged.gaps += 1;
-                self.gap = Some(Gap { before, after: sample, steps, step: 0 });
+                // what is filled in lasts as long as the gap, and no longer
+                let length = seconds / steps as f64;
+                self.gap =
+                    Some(Gap { before, after: sample, rates: (after.1, after.2), length, steps, step: 0 });
                 self.sample()
             }
         }
+    }
+
+    /// Time, rate and specific force of a row whose step is so long, s. Increments that were given last one interval.
+    fn as_rates(&self, sample: &Sample, step: f64) -> (f64, Vector3<f64>, Vector3<f64>) {
+        let [gyro, accel] = self.rates.map(|rates| if rates { step } else { self.interval });
+        (sample.time, sample.dtheta / gyro, sample.dvel / accel)
     }
 
     /// Reads on after a fault, to tell about the other faulty rows. Rows in a row with the same column are one fault.
@@ -401,16 +430,19 @@ impl Samples {
 impl Gap {
     fn sample(&mut self) -> Sample {
         self.step += 1;
-        if self.step == self.steps {
-            return self.after;
+        let (time, rate, force) = self.before;
+        let last = self.step == self.steps;
+        let part = if last { 1.0 } else { self.step as f64 / self.steps as f64 };
+        let (dtheta, dvel) =
+            (rate.lerp(&self.rates.0, part) * self.length, force.lerp(&self.rates.1, part) * self.length);
+        if last {
+            return Sample { dtheta, dvel, ..self.after };
         }
-        let part = self.step as f64 / self.steps as f64;
-        let (before, after) = (&self.before, &self.after);
-        let nothing = nalgebra::Vector3::repeat(f64::NAN);
+        let nothing = Vector3::repeat(f64::NAN);
         Sample {
-            time: before.time + part * (after.time - before.time),
-            dtheta: before.dtheta.lerp(&after.dtheta, part),
-            dvel: before.dvel.lerp(&after.dvel, part),
+            time: time + part * (self.after.time - time),
+            dtheta,
+            dvel,
             temperature: nothing,
             gyro_temperature: nothing,
             dither: nothing,
@@ -432,7 +464,7 @@ impl Iterator for Samples {
                     self.ended = true;
                     return Some(Err(fault));
                 }
-                let before = self.last.replace(sample).map(|last| last.time);
+                let before = self.last.replace(sample.time);
                 if let Some(coarse) = &self.coarse {
                     let dt = before.map_or(self.interval, |before| sample.time - before);
                     coarse.compensate(&mut sample, dt);
@@ -464,7 +496,7 @@ fn unreadable(path: &Path, error: &io::Error) -> LogError {
 }
 
 /// Defaults that matter because of what the table holds.
-fn warnings(description: &Description, layout: &Layout, path: &Path) -> Vec<String> {
+fn warnings(description: &Description, has: &dyn Fn(Group) -> bool, path: &Path) -> Vec<String> {
     let mut warnings = Vec::new();
     let path = path.display();
     let groups = [
@@ -473,7 +505,7 @@ fn warnings(description: &Description, layout: &Layout, path: &Path) -> Vec<Stri
         (Group::REF_QUAT, "attitude_sigma_deg", "0.01 deg"),
     ];
     for ((group, field, default), given) in groups.into_iter().zip(description.reference_given) {
-        if layout.has(group) && !given {
+        if has(group) && !given {
             warnings.push(format!("{path}: reference.{field} is not given, {default} is assumed"));
         }
     }
@@ -481,7 +513,7 @@ fn warnings(description: &Description, layout: &Layout, path: &Path) -> Vec<Stri
         (Group::GYRO_PULSE, description.gyro_pulse, "gyro_rad_per_pulse"),
         (Group::ACCEL_PULSE, description.accel_pulse, "accel_m_s_per_pulse"),
     ] {
-        if given.is_some() && !layout.has(group) {
+        if given.is_some() && !has(group) {
             let pulses = group.names().join(", ");
             warnings.push(format!("{path}: imu.{field} is not used: the table has no {pulses}"));
         }

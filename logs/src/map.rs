@@ -2,13 +2,15 @@
 //!
 //! One entry is `NAME=[-]VARIABLE[COLUMNS][:UNIT]`. NAME is a column of the format or a triad of them (`gyro` is `dtheta_x`,
 //! `dtheta_y`, `dtheta_z`). COLUMNS counts from 0 and its end does not count, as in Python: `imu[0:3]`, `q[3,0,1,2]`. A minus
-//! turns the sign. In a unit of a rate, increments are the rate times the time since the row before.
+//! turns the sign. In a unit of a rate, increments are the rate times the time since the row before. `NAME-32768` takes an offset off
+//! counts, `secs+nsecs` is a time in two columns, `Gyroscope {X,Y,Z}` is three names.
 
 use std::str::FromStr;
 
 use crate::{suggest, units};
 
 use super::columns::{Group, NAMES};
+use super::written;
 
 /// No selection of columns is longer.
 const MOST_COLUMNS: usize = 16;
@@ -30,6 +32,12 @@ impl ColumnMap {
     /// Its entries, in the order given.
     pub(super) fn entries(&self) -> impl Iterator<Item = &Entry> {
         self.maps.iter().flat_map(|map| &map.0)
+    }
+
+    /// As it was written.
+    pub(super) fn text(&self) -> String {
+        let entries = self.entries().map(|entry| format!("{}={}", entry.name, entry.text));
+        entries.collect::<Vec<_>>().join(",")
     }
 
     /// Whether nothing is mapped.
@@ -55,32 +63,55 @@ struct Map(Vec<Entry>);
 pub(super) struct Entry {
     /// The slots it fills.
     pub(super) group: Group,
+    /// Whether it is about the reference, which may stand in a file of its own.
+    pub(super) of_reference: bool,
     /// Left side.
     pub(super) name: String,
     /// Right side.
     pub(super) text: String,
+    /// The variable as it was written, with what may be a selection of its columns.
+    pub(super) written: String,
+    /// The same without the selection.
     pub(super) variable: String,
     /// Which columns of the variable; all of them if not said.
     pub(super) columns: Option<Vec<usize>>,
-    pub(super) unit: Unit,
+    /// Sign.
+    pub(super) sign: f64,
+    /// The unit where it is said.
+    pub(super) unit: Option<Unit>,
+    /// A second column of a time, with its unit.
+    pub(super) fraction: Option<(String, Unit)>,
 }
 
-/// How numbers of a file become those of the format.
+/// How numbers of a file become those of the format: `(value - zero) * scale`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unit {
     /// Factor.
     pub(super) scale: f64,
+    /// What the file says where there is nothing.
+    pub(super) zero: f64,
     /// Times the interval too: the file holds rates, the format increments.
     pub(super) per_interval: bool,
 }
 
 impl Unit {
     /// That of the format.
-    pub(super) const SAME: Self = Self { scale: 1.0, per_interval: false };
+    pub(super) const SAME: Self = Self { scale: 1.0, zero: 0.0, per_interval: false };
+
+    /// That of the columns of the format that go by their own names: angles of the reference are degrees there.
+    pub(super) fn of_format(slot: usize) -> Self {
+        let angles = [Group::REF_LATLON, Group::REF_HEADING, Group::REF_EULER, Group::REF_ATT_SIGMA];
+        let scale = match slot {
+            _ if slot == Group::TIME_NANOS.first => 1e-9,
+            _ if angles.into_iter().any(|group| group.slots().contains(&slot)) => units::DEGREE,
+            _ => 1.0,
+        };
+        Self { scale, ..Self::SAME }
+    }
 }
 
 /// Short names of groups, and those of groups whose columns are named otherwise.
-const SHORT: [(&str, Group); 13] = [
+const SHORT: [(&str, Group); 26] = [
     ("time", Group::TIME),
     ("gyro", Group::DTHETA),
     ("dtheta", Group::DTHETA),
@@ -94,6 +125,19 @@ const SHORT: [(&str, Group); 13] = [
     ("ref_vel", Group::REF_VEL),
     ("ref_pos", Group::REF_POS),
     ("ref_quat", Group::REF_QUAT),
+    ("ref_time", Group::TIME),
+    ("ref_lat", Group { first: 32, len: 1 }),
+    ("ref_lon", Group { first: 33, len: 1 }),
+    ("ref_height", Group::REF_HEIGHT),
+    ("ref_heading", Group::REF_HEADING),
+    ("ref_euler", Group::REF_EULER),
+    ("ref_roll", Group { first: 36, len: 1 }),
+    ("ref_pitch", Group { first: 37, len: 1 }),
+    ("ref_yaw", Group { first: 38, len: 1 }),
+    ("ref_vel_sigma", Group::REF_VEL_SIGMA),
+    ("ref_pos_sigma", Group::REF_POS_SIGMA),
+    ("ref_att_sigma", Group::REF_ATT_SIGMA),
+    ("ref_fix", Group::REF_FIX),
 ];
 
 /// What may be written to the left of `=`.
@@ -111,18 +155,32 @@ fn parse(text: &str) -> Result<Map, String> {
     Ok(Map(entries))
 }
 
-/// At the commas outside of brackets.
+/// At the commas outside of brackets, braces and quotes.
 fn split(text: &str) -> Vec<&str> {
-    let mut inside = false;
+    let (mut inside, mut quoted) = (0_i32, false);
     text.split(|c| {
         match c {
-            '[' => inside = true,
-            ']' => inside = false,
+            '"' => quoted = !quoted,
+            '[' | '{' => inside += 1,
+            ']' | '}' => inside -= 1,
             _ => {}
         }
-        c == ',' && !inside
+        c == ',' && inside <= 0 && !quoted
     })
     .collect()
+}
+
+/// A variable and its unit; nothing said is the first unit that fits.
+fn with_unit<'a>(group: Group, name: &str, text: &'a str) -> Result<(&'a str, Option<Unit>), String> {
+    match text.rsplit_once(':') {
+        // the colon of a range of columns
+        Some((_, end)) if end.ends_with(']') => Ok((text.trim(), None)),
+        Some((rest, unit)) => {
+            let unit = written::unit(group, unit.trim()).map_err(|error| format!("{name}: {error}"))?;
+            Ok((rest.trim(), Some(unit)))
+        }
+        None => Ok((text.trim(), None)),
+    }
 }
 
 impl FromStr for Entry {
@@ -141,17 +199,23 @@ impl FromStr for Entry {
             return Err(format!("`{name}` is not a name of the log format: {}", suggest::hint(name, known)));
         };
         let (sign, rest) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
-        let (rest, unit) = match rest.rsplit_once(':') {
-            // the colon of a range of columns
-            Some((_, end)) if end.ends_with(']') => (rest, Unit::SAME),
-            Some((rest, unit)) => (rest, scale(group, unit.trim()).map_err(|e| format!("{name}: {e}"))?),
-            None => (rest, Unit::SAME),
+        let (rest, fraction) = match rest.split_once('+').filter(|_| group == Group::TIME) {
+            Some((seconds, fraction)) => {
+                let (fraction, unit) = with_unit(Group::TIME, name, fraction)?;
+                let unit = unit.unwrap_or(Unit::of_format(Group::TIME_NANOS.first));
+                (seconds, Some((unquoted(fraction).to_owned(), unit)))
+            }
+            None => (rest, None),
         };
-        let (variable, columns) = columns(rest.trim());
+        let (written, unit) = with_unit(group, name, rest)?;
+        let written = unquoted(written);
+        let (variable, columns) = columns(written);
         if variable.is_empty() {
             return Err(format!("`{name}` has no variable: NAME=VARIABLE was expected, such as gyro=wm"));
         }
-        if let Some(columns) = columns.as_ref().filter(|columns| columns.len() != group.len) {
+        let fits =
+            |columns: &Vec<usize>| columns.len() == group.len || columns.len() == 1 && group.may_be_shared();
+        if let Some(columns) = columns.as_ref().filter(|columns| !fits(columns)) {
             return Err(format!(
                 "{text} is {} of the columns of `{variable}`, {name} needs {} ({}); they count from 0, and the end of \
                  a range does not count: {variable}[0:{}]",
@@ -163,13 +227,22 @@ impl FromStr for Entry {
         }
         Ok(Self {
             group,
+            of_reference: name.starts_with("ref_"),
             name: name.to_owned(),
             text: text.to_owned(),
+            written: written.to_owned(),
             variable: variable.to_owned(),
             columns,
-            unit: Unit { scale: sign * unit.scale, ..unit },
+            sign,
+            unit,
+            fraction,
         })
     }
+}
+
+/// Quotes around a name keep its commas.
+fn unquoted(text: &str) -> &str {
+    text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text)
 }
 
 /// A variable and its columns, `imu[0:3]`; brackets that hold no numbers belong to its name, as in `gyr_x [deg/s]`.
@@ -189,40 +262,6 @@ fn columns(text: &str) -> (&str, Option<Vec<usize>>) {
     (variable.trim(), Some(columns))
 }
 
-/// Reads a unit of a group's columns.
-fn scale(group: Group, unit: &str) -> Result<Unit, String> {
-    let within = |of: Group| of.slots().contains(&group.first);
-    // what the format holds, and what becomes that over an interval
-    let (own, rates): (units::Units, units::Units) = if within(Group::TIME) {
-        (units::TIME, &[])
-    } else if within(Group::DTHETA) {
-        (units::ANGLE, units::ANGULAR_RATE)
-    } else if within(Group::DVEL) {
-        (units::VELOCITY, units::FORCE)
-    } else if within(Group::DITHER) {
-        (units::ANGULAR_RATE, &[])
-    } else if within(Group::TEMP) || within(Group::TEMP_GYRO) {
-        (units::TEMPERATURE, &[])
-    } else if within(Group::REF_VEL) {
-        (units::VELOCITY, &[])
-    } else if within(Group::REF_POS) {
-        (units::LENGTH, &[])
-    } else {
-        (&[("1", 1.0)], &[])
-    };
-    let of = |units: units::Units| units.iter().find(|(name, _)| *name == unit).map(|(_, size)| *size);
-    match (of(own), of(rates)) {
-        (Some(scale), _) => Ok(Unit { scale, per_interval: false }),
-        (None, Some(scale)) => Ok(Unit { scale, per_interval: true }),
-        (None, None) => {
-            let names = own.iter().chain(rates).map(|(name, _)| *name);
-            let near = suggest::nearest(unit, names.clone()).map(|near| format!("did you mean `{near}`? "));
-            let all = names.collect::<Vec<_>>().join(", ");
-            Err(format!("`{unit}` is not a unit of it; {}accepted: {all}", near.unwrap_or_default()))
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -237,17 +276,24 @@ mod tests {
         assert_eq!(map.0.len(), 3);
         assert_eq!((map.0[0].group, map.0[0].columns.as_deref()), (Group::DTHETA, Some(&[0, 1, 2][..])));
         assert_eq!(map.0[1].columns.as_deref(), Some(&[3, 0, 1, 2][..]));
-        assert_eq!(map.0[2].unit, Unit { scale: 1e-3, per_interval: false });
+        assert_eq!(map.0[2].unit, Some(Unit { scale: 1e-3, ..Unit::SAME }));
         let turned = one("dtheta_z=-wm[2]:deg/s").expect("an entry");
-        assert_eq!(turned.unit, Unit { scale: -std::f64::consts::PI / 180.0, per_interval: true });
+        let degrees = Unit { scale: std::f64::consts::PI / 180.0, zero: 0.0, per_interval: true };
+        assert_eq!((turned.sign, turned.unit), (-1.0, Some(degrees)));
         assert_eq!((turned.variable.as_str(), turned.columns), ("wm", Some(vec![2])));
         assert_eq!(turned.group, Group { first: 3, len: 1 });
         let named = one("dtheta_x=gyr x [deg/s]:deg/s").expect("an entry");
         assert_eq!((named.variable.as_str(), named.columns), ("gyr x [deg/s]", None));
-        assert!(one("accel=a:m/s").is_ok_and(|entry| entry.unit == Unit::SAME));
-        assert!(
-            one("accel=a:g").is_ok_and(|entry| entry.unit == Unit { scale: 9.80665, per_interval: true })
-        );
+        assert!(one("accel=a:m/s").is_ok_and(|entry| entry.unit == Some(Unit::SAME)));
+        let g = one("accel=a:g").expect("an entry").unit.expect("a unit");
+        assert!((g.scale - 9.80665).abs() < 1e-15 && g.per_interval);
+        let two = one("time=secs+nsecs").expect("an entry");
+        assert_eq!(two.fraction, Some(("nsecs".into(), Unit { scale: 1e-9, ..Unit::SAME })));
+        let pattern = one("gyro=Gyroscope {X,Y,Z} (deg/s):deg/s").expect("an entry");
+        assert_eq!(pattern.variable, "Gyroscope {X,Y,Z} (deg/s)");
+        let quoted = one("dtheta_x=\"rate, x\":rad/s").expect("an entry");
+        assert_eq!(quoted.variable, "rate, x");
+        assert!(one("ref_lat=lat:1e-7 deg").is_ok_and(|entry| entry.of_reference));
     }
 
     #[test]
@@ -258,7 +304,7 @@ mod tests {
             ("gyro=", "`gyro` has no variable"),
             ("gyr=wm", "did you mean `gyro`?"),
             ("dtheta_zz=wm", "did you mean `dtheta_z`?"),
-            ("gyro=wm:deg/sec", "did you mean `deg/s`?"),
+            ("gyro=wm:deg/sek", "did you mean `deg/s`?"),
             ("time=t:m", "accepted: s, ms, us, ns, min, h, days"),
             ("gyro_pulse=n:rad", "accepted: 1"),
             ("gyro=imu[1:3]", "imu[1:3] is 2 of the columns of `imu`, gyro needs 3"),

@@ -19,10 +19,16 @@ const HEADER: u64 = 128;
 /// No name and no list of dimensions is longer, bytes.
 const LONGEST: u32 = 4096;
 
+/// Structs within structs.
+const DEEPEST: usize = 3;
+/// No struct of a log is longer, unpacked, bytes.
+const LARGEST: u64 = 4 << 30;
+
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 /// Class of an object, whose header has no dimensions.
 const OPAQUE: u32 = 17;
+const STRUCT: u32 = 2;
 
 /// A MATLAB file, its variables listed.
 pub(super) struct Mat5 {
@@ -32,10 +38,13 @@ pub(super) struct Mat5 {
 }
 
 /// Where a variable stands.
+#[derive(Clone, Copy)]
 struct Element {
     offset: u64,
     size: u64,
     compressed: bool,
+    /// Bytes of its contents, unpacked, before what is meant: a field of a struct.
+    within: u64,
 }
 
 impl Mat5 {
@@ -70,13 +79,28 @@ impl Mat5 {
             }
             let element = mat.element(offset, length).map_err(fault)?;
             offset = element.offset + element.size;
-            mat.elements.push(element);
-            let head = mat.with(mat.elements.len() - 1, |reader| reader.head()).map_err(fault)?;
+            let mut fields = Vec::new();
+            let head = mat
+                .with(element, |reader| {
+                    let head = reader.head()?;
+                    if head.is_one_struct() {
+                        reader.fields(&head.name, 1, &mut fields)?;
+                    }
+                    Ok(head)
+                })
+                .map_err(fault)?;
             if head.name.is_empty() {
                 // what MATLAB keeps for itself
-                mat.elements.pop();
-            } else {
-                named.push(head.named());
+                continue;
+            }
+            mat.elements.push(element);
+            named.push(head.named());
+            if mat.elements.len() + fields.len() > MOST_VARIABLES {
+                return Err(fault(format!("there are more than {MOST_VARIABLES} variables")));
+            }
+            for (within, field) in fields {
+                mat.elements.push(Element { within, ..element });
+                named.push(field);
             }
         }
         Ok((mat, named))
@@ -85,43 +109,49 @@ impl Mat5 {
     /// The element at an offset, whose tag is whole and which ends within the file.
     fn element(&mut self, offset: u64, length: u64) -> Result<Element, String> {
         self.file.seek(SeekFrom::Start(offset)).map_err(|error| error.to_string())?;
-        let mut reader = Reader { bytes: &mut self.file, big_endian: self.big_endian };
+        let mut reader = Reader { bytes: &mut self.file, big_endian: self.big_endian, read: 0 };
         let tag = reader.tag()?;
         let (start, size) = (offset + 8, u64::from(tag.size));
         match tag.kind {
             _ if tag.small.is_some() || start.saturating_add(size) > length => Err("it is cut off".into()),
-            MATRIX | COMPRESSED => Ok(Element { offset: start, size, compressed: tag.kind == COMPRESSED }),
+            MATRIX | COMPRESSED => {
+                Ok(Element { offset: start, size, compressed: tag.kind == COMPRESSED, within: 0 })
+            }
             kind => Err(format!("it is of the unknown kind {kind}")),
         }
     }
 
-    /// Reads in the contents of a variable, unpacked.
+    /// Reads in the contents of a variable, unpacked, or of a field of it.
     fn with<T>(
         &mut self,
-        index: usize,
+        element: Element,
         read: impl FnOnce(&mut Reader<&mut dyn Read>) -> Result<T, String>,
     ) -> Result<T, String> {
-        let element = self.elements.get(index).ok_or("it is not there")?;
         self.file.seek(SeekFrom::Start(element.offset)).map_err(|error| error.to_string())?;
         let bytes: Take<&mut File> = (&mut self.file).take(element.size);
         let big_endian = self.big_endian;
-        if element.compressed {
-            let mut bytes = BufReader::with_capacity(1 << 16, ZlibDecoder::new(BufReader::new(bytes)));
-            let mut reader = Reader { bytes: &mut bytes as &mut dyn Read, big_endian };
-            match reader.tag()?.kind {
-                MATRIX => read(&mut reader),
-                _ => Err("it holds no variable".into()),
+        let mut packed;
+        let mut plain;
+        let bytes: &mut dyn Read = if element.compressed {
+            packed = BufReader::with_capacity(1 << 16, ZlibDecoder::new(BufReader::new(bytes)));
+            if (Reader { bytes: &mut packed as &mut dyn Read, big_endian, read: 0 }).tag()?.kind != MATRIX {
+                return Err("it holds no variable".into());
             }
+            &mut packed
         } else {
-            let mut bytes = BufReader::with_capacity(1 << 16, bytes);
-            read(&mut Reader { bytes: &mut bytes as &mut dyn Read, big_endian })
-        }
+            plain = BufReader::with_capacity(1 << 16, bytes);
+            &mut plain
+        };
+        let mut reader = Reader { bytes, big_endian, read: 0 };
+        reader.skip(element.within)?;
+        read(&mut reader)
     }
 }
 
 impl Arrays for Mat5 {
     fn read(&mut self, index: usize, each: &mut dyn FnMut(f64) -> bool) -> Result<(), String> {
-        self.with(index, |reader| {
+        let element = *self.elements.get(index).ok_or("it is not there")?;
+        self.with(element, |reader| {
             reader.head()?;
             reader.numbers(each)
         })
@@ -139,6 +169,10 @@ struct Head {
 }
 
 impl Head {
+    fn is_one_struct(&self) -> bool {
+        self.class == STRUCT && self.dims.iter().all(|side| *side == 1)
+    }
+
     fn named(self) -> Named {
         let holds = match self.class {
             1 => "cells",
@@ -166,6 +200,8 @@ struct Tag {
 struct Reader<R> {
     bytes: R,
     big_endian: bool,
+    /// Bytes so far.
+    read: u64,
 }
 
 impl<R: Read> Reader<R> {
@@ -175,7 +211,52 @@ impl<R: Read> Reader<R> {
             std::io::ErrorKind::UnexpectedEof => "it is cut off".to_owned(),
             _ => error.to_string(),
         })?;
+        self.read += N as u64;
         Ok(bytes)
+    }
+
+    fn skip(&mut self, bytes: u64) -> Result<(), String> {
+        if self.read.saturating_add(bytes) > LARGEST {
+            return Err("a struct is too large".into());
+        }
+        let mut skipped = (&mut self.bytes).take(bytes);
+        let skipped = std::io::copy(&mut skipped, &mut std::io::sink()).map_err(|error| error.to_string())?;
+        self.read += skipped;
+        if skipped == bytes { Ok(()) } else { Err("it is cut off".into()) }
+    }
+
+    /// The fields of a struct whose header was read, those of structs in it too, by their names and where their headers begin.
+    fn fields(&mut self, of: &str, depth: usize, fields: &mut Vec<(u64, Named)>) -> Result<(), String> {
+        let length = self.short(&[5])?;
+        let length = length.first_chunk().map_or(0, |length| self.u32(*length)) as usize;
+        let names = self.short(&[1])?;
+        if length == 0 || names.len() > MOST_VARIABLES * length {
+            return Err("its header is damaged".into());
+        }
+        for name in names.chunks(length) {
+            let name = name.split(|byte| *byte == 0).next().unwrap_or_default();
+            let name = format!("{of}.{}", String::from_utf8_lossy(name));
+            let tag = self.tag()?;
+            if tag.kind != MATRIX || tag.small.is_some() {
+                return Err(format!("its field {name} is of the unknown kind {}", tag.kind));
+            }
+            let (start, end) = (self.read, self.read + u64::from(tag.size));
+            // an empty field has no header
+            if tag.size > 0 {
+                let head = self.head()?;
+                let nested = head.is_one_struct() && depth < DEEPEST;
+                let named = Named { name: name.clone(), ..head.named() };
+                fields.push((start, named));
+                if fields.len() > MOST_VARIABLES {
+                    return Err(format!("there are more than {MOST_VARIABLES} variables"));
+                }
+                if nested {
+                    self.fields(&name, depth + 1, fields)?;
+                }
+            }
+            self.skip(end.checked_sub(self.read).ok_or("its header is damaged")?)?;
+        }
+        Ok(())
     }
 
     fn u32(&self, bytes: [u8; 4]) -> u32 {
@@ -204,6 +285,7 @@ impl<R: Read> Reader<R> {
         }
         let mut contents = vec![0; size.next_multiple_of(8)];
         self.bytes.read_exact(&mut contents).map_err(|_| "it is cut off")?;
+        self.read += contents.len() as u64;
         contents.truncate(size);
         Ok(contents)
     }

@@ -12,11 +12,10 @@ use parquet::file::metadata::ParquetMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::Type;
 
-use super::columns::{Batch, Source};
+use super::columns::{Batch, Group, Source};
 use super::fault::LogError;
 use super::guard::guarded;
-use super::layout::{Holds, Layout, Variable};
-use super::map::ColumnMap;
+use super::layout::{Asked, Holds, Layout, Variable};
 use super::pages;
 
 /// Rows per batch: large enough for column-wise work, small enough to stay in the cache.
@@ -38,6 +37,8 @@ pub(super) struct ParquetSource {
     position: u64,
     /// Rows that the file announces.
     rows: u64,
+    /// Times are counted from here.
+    origin: i64,
 }
 
 /// A column that is wanted.
@@ -50,7 +51,7 @@ struct Column {
 
 impl ParquetSource {
     /// Opens a file and checks its columns; also gives the number of rows.
-    pub(super) fn open(path: &Path, map: &ColumnMap) -> Result<(Self, Layout, u64), LogError> {
+    pub(super) fn open(path: &Path, asked: Asked<'_>) -> Result<(Self, Layout, u64), LogError> {
         let mut file = File::open(path).map_err(|error| super::unreadable(path, &error))?;
         check_magic(path, &mut file)?;
         let reader =
@@ -62,7 +63,7 @@ impl ParquetSource {
             let width = kind.map(|_| 1).map_err(str::to_owned);
             Variable { name: field.name().to_owned(), width }
         });
-        let layout = Layout::new(path, &variables.collect::<Vec<_>>(), Holds::Columns, map)?;
+        let layout = Layout::new(path, &variables.collect::<Vec<_>>(), Holds::Columns, asked)?;
         check_compression(path, reader.metadata())?;
         check_pages(path, reader.metadata(), &layout)?;
         let rows = u64::try_from(reader.metadata().file_metadata().num_rows())
@@ -77,7 +78,8 @@ impl ParquetSource {
             columns.push(Column { slot, leaf, kind: *kind });
         }
         let path = path.to_owned();
-        let source = Self { path, reader, columns, next: 0, open: Vec::new(), left: 0, position: 0, rows };
+        let source =
+            Self { path, reader, columns, next: 0, open: Vec::new(), left: 0, position: 0, rows, origin: 0 };
         Ok((source, layout, rows))
     }
 
@@ -87,7 +89,8 @@ impl ParquetSource {
         let mut levels = Vec::new();
         for (column, numbers) in self.columns.iter().zip(&mut self.open) {
             let into = batch.column_mut(column.slot);
-            numbers.read(rows, &mut levels, into).map_err(|error| error.to_string())?;
+            let origin = if column.slot == Group::TIME.first { self.origin } else { 0 };
+            numbers.read(rows, origin, &mut levels, into).map_err(|error| error.to_string())?;
             if into.len() != rows {
                 let held = self.position + into.len() as u64;
                 return Err(format!("it holds {held} rows, {} were announced", self.rows));
@@ -140,6 +143,10 @@ impl Source for ParquetSource {
             return Err(damaged(&self.path, &problem));
         }
         Ok(())
+    }
+
+    fn count_from(&mut self, origin: i64) {
+        self.origin = origin;
     }
 
     fn position(&self) -> u64 {
@@ -280,13 +287,23 @@ enum Numbers {
 }
 
 impl Numbers {
-    /// Appends the next `rows` cells, empty ones as NaN; `levels` is room to work in.
-    fn read(&mut self, rows: usize, levels: &mut Vec<i16>, into: &mut Vec<f64>) -> errors::Result<()> {
+    /// Appends the next `rows` cells less `origin`, empty ones as NaN; `levels` is room to work in.
+    fn read(
+        &mut self,
+        rows: usize,
+        origin: i64,
+        levels: &mut Vec<i16>,
+        into: &mut Vec<f64>,
+    ) -> errors::Result<()> {
+        let less = |value: f64| if origin == 0 { value } else { value - origin as f64 };
         match self {
-            Self::F64(reader) => cells(reader, rows, levels, into, |value| value),
-            Self::F32(reader) => cells(reader, rows, levels, into, f64::from),
-            Self::I32(reader, f64_of) => cells(reader, rows, levels, into, *f64_of),
-            Self::I64(reader, f64_of) => cells(reader, rows, levels, into, *f64_of),
+            Self::F64(reader) => cells(reader, rows, levels, into, less),
+            Self::F32(reader) => cells(reader, rows, levels, into, |value| less(value.into())),
+            Self::I32(reader, f64_of) => cells(reader, rows, levels, into, |value| less(f64_of(value))),
+            // before it becomes a number of 53 bits
+            Self::I64(reader, f64_of) => {
+                cells(reader, rows, levels, into, |value| f64_of(value.wrapping_sub(origin)))
+            }
         }
     }
 }

@@ -8,7 +8,7 @@ use sinscal::{Reference, Sample};
 use super::columns::{Batch, Group, NEEDED};
 use super::description::{Description, TEMPERATURES, UNIT_TOLERANCE};
 use super::fault::LogError;
-use super::layout::{LONGEST_STEP, Layout};
+use super::stamps::Plan;
 use super::still::{STANDARD_GRAVITY, force_unit};
 
 /// Median and mean step may differ from the nominal interval by this fraction.
@@ -52,6 +52,7 @@ pub(super) struct Checker {
     gyro_scale: Option<Vector3<f64>>,
     accel_scale: Option<Vector3<f64>>,
     reference: Measured,
+    plan: Plan,
     /// Row number of the last row, 0 before the first.
     row: u64,
     last_time: Option<f64>,
@@ -74,9 +75,14 @@ pub(super) enum Row {
 }
 
 impl Checker {
-    pub(super) fn new(path: PathBuf, description: &Description, layout: &Layout) -> Self {
-        let reference = match [Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].map(|group| layout.has(group))
-        {
+    /// `has` says which columns there are.
+    pub(super) fn new(
+        path: PathBuf,
+        description: &Description,
+        plan: Plan,
+        has: &dyn Fn(Group) -> bool,
+    ) -> Self {
+        let reference = match [Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].map(has) {
             [false, false, false] => Measured::FixedPoint,
             [velocity, position, attitude] => Measured::Columns { velocity, position, attitude },
         };
@@ -84,7 +90,7 @@ impl Checker {
             if description.is_navigation_grade() { LARGEST_NAVIGATION_RATE } else { LARGEST_RATE };
         // pulses of unknown size count as they are, and may be many
         let scale = |group, size: Option<Vector3<f64>>, largest| match size {
-            _ if !layout.has(group) => (None, largest),
+            _ if !has(group) => (None, largest),
             None => (Some(Vector3::repeat(1.0)), f64::MAX),
             known => (known, largest),
         };
@@ -98,6 +104,7 @@ impl Checker {
             gyro_scale,
             accel_scale,
             reference,
+            plan,
             row: 0,
             last_time: None,
         }
@@ -207,14 +214,18 @@ impl Checker {
                 )
             );
         }
-        if step <= LONGEST_STEP * self.interval {
+        if step <= self.plan.longest_step * self.interval {
             return Ok(None);
         }
         let intervals = step / self.interval;
         let problem =
             format!("gap of {step:.6} s ({intervals:.1} sampling intervals) from {last} s to {time} s");
-        let help =
-            "at most 1.5 intervals are allowed; `--bridge-gaps SECONDS` fills short gaps by interpolation";
+        let help = if self.plan.uneven {
+            "many steps are longer and others shorter, and no row is missing: `--stamps trust` takes every step as long as it is, \
+             `--stamps fit` puts a straight line through stamps that jitter"
+        } else {
+            "at most 1.5 intervals are allowed; `--bridge-gaps SECONDS` fills short gaps by interpolation"
+        };
         Ok(Some((step, fault(problem).help(help))))
     }
 

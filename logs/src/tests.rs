@@ -5,7 +5,7 @@ use std::path::Path;
 
 use sinscal::Sample;
 
-use super::{Bridged, ColumnMap, LogError};
+use super::{Bridged, LogError, Reading};
 use support::{DESCRIPTION, Done, RATE, Table};
 
 #[path = "../../cli/tests/program/support.rs"]
@@ -16,7 +16,7 @@ struct Log;
 
 impl Log {
     fn open(path: &Path) -> Result<super::Log, LogError> {
-        super::Log::open(path, &ColumnMap::default())
+        super::Log::open(path, &Reading::default())
     }
 }
 
@@ -151,10 +151,11 @@ fn gaps_are_bridged_on_request_only() -> Done {
     table.map("dtheta_x", |row, _| row as f64 * 1e-6);
     table.drop_rows(51..=60);
     write(folder.path(), &table, DESCRIPTION)?;
-    let mut log = Log::open(&folder.path().join("c"))?;
+    let log = Log::open(&folder.path().join("c"))?;
     let refused = read(&log);
     assert!(refused.is_err_and(|error| error.to_string().contains("row 51, column `time_s`: gap of 0.22")));
-    log.bridge_gaps(0.3);
+    let bridging = Reading { bridge: Some(0.3), ..Reading::default() };
+    let log = super::Log::open(&folder.path().join("c"), &bridging)?;
     let (samples, bridged) = read(&log)?;
     assert_eq!(bridged, Bridged { gaps: 1, rows: 10 });
     assert_eq!(samples.len(), 200);

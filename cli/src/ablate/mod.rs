@@ -72,7 +72,7 @@ impl Arguments {
         let target = self.results.target()?;
         let log = self.log.open()?;
         let swing =
-            self.swing.as_deref().map(|swing| arguments::open(swing, &self.log.columns.map())).transpose()?;
+            self.swing.as_deref().map(|swing| arguments::open(swing, &self.log.columns.reading())).transpose()?;
         let filters = paper()?;
         let outcomes = calibrate(&log, &filters, self.passes)?;
         let calibrated = |(filter, outcome): (&Arc<dyn AnyFilter>, &Outcome)| Calibrated {

@@ -110,9 +110,8 @@ impl Arguments {
         let target = self.results.target()?;
         let filter = self.filter.filter()?;
         let filter = &*filter;
-        let mut log = Log::open_counting(&self.log.log, &self.log.columns.map())?;
+        let mut log = Log::open_counting(&self.log.log, &self.log.columns.reading())?;
         arguments::tell(&log);
-        log.bridge_gaps(self.bridge_gaps);
         if self.coarse || log.unknown_pulses() != UnknownPulses::default() {
             setup::coarse(&mut log)?;
         }
