@@ -71,8 +71,11 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let target = self.results.target()?;
         let log = self.log.open()?;
-        let swing =
-            self.swing.as_deref().map(|swing| arguments::open(swing, &self.log.columns.reading())).transpose()?;
+        let swing = self
+            .swing
+            .as_deref()
+            .map(|swing| arguments::open(swing, &self.log.columns.reading()))
+            .transpose()?;
         let filters = paper()?;
         let outcomes = calibrate(&log, &filters, self.passes)?;
         let calibrated = |(filter, outcome): (&Arc<dyn AnyFilter>, &Outcome)| Calibrated {

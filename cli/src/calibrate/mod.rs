@@ -50,9 +50,6 @@ pub(crate) struct Arguments {
     /// How the covariance is kept
     #[arg(long, value_enum, default_value_t = Form::Conventional)]
     form: Form,
-    /// Fill gaps of up to this length by interpolated increments
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = gap)]
-    bridge_gaps: f64,
     #[command(flatten)]
     results: Results,
 }
@@ -98,10 +95,6 @@ fn far_out(parameter: &Parameter) -> bool {
     parameter.estimated
         && parameter.value.abs() > FAR * parameter.prior_sigma
         && Coarse::EFFECTS.contains(&parameter.info.block)
-}
-
-fn gap(text: &str) -> Result<f64, String> {
-    arguments::within(text, "seconds", 0.0, 10.0)
 }
 
 impl Arguments {
