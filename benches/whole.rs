@@ -23,7 +23,7 @@ struct Pass<'a, 'b> {
 impl FilterVisitor for Pass<'_, '_> {
     type Output = ();
 
-    fn visit<F: Filter<Dynamics = Strapdown>>(self) {
+    fn visit<F: Filter<Dynamics = Strapdown, Shape: sinscal::Sizes>>(self) {
         let pass = |(): &mut ()| {
             let mut run = Box::new(Calibration::<F>::new(self.setup).expect("a sound setup"));
             for sample in self.samples {

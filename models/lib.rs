@@ -171,7 +171,7 @@ pub use calib_core::check;
 pub use calib_core::{
     Block, BlockView, BlockVisitor, Conventional, Counted, Dim, Dynamics, Estimate, Extended, Fault, Filter,
     Flaw, Form, Innovation, Kalman, Leaf, Measurement, MeasurementInfo, Need, Real, Relaxation, Residuals,
-    Shape, StateInfo, Transition, Ud, View, declares, first_state, leaves, relaxations, relaxes,
+    Shape, Sizes, StateInfo, Transition, Ud, View, declares, first_state, leaves, relaxations, relaxes,
 };
 pub use calibration::{Calibration, Known};
 #[cfg(feature = "std")]

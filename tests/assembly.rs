@@ -84,7 +84,7 @@ struct Check;
 impl FilterVisitor for Check {
     type Output = ();
 
-    fn visit<F: Filter<Dynamics = Strapdown>>(self) {
+    fn visit<F: Filter<Dynamics = Strapdown, Shape: sinscal::Sizes>>(self) {
         let mut numbers = Numbers(F::DIM as u64);
         for round in 0..100 {
             let at = point(&mut numbers);

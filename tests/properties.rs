@@ -144,7 +144,7 @@ struct Visit<P>(Draw, core::marker::PhantomData<P>);
 impl<P: Property> FilterVisitor for Visit<P> {
     type Output = Result<(), TestCaseError>;
 
-    fn visit<F: Filter<Dynamics = Strapdown>>(self) -> Self::Output {
+    fn visit<F: Filter<Dynamics = Strapdown, Shape: sinscal::Sizes>>(self) -> Self::Output {
         P::of::<F>(self.0)
     }
 }

@@ -55,7 +55,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 use runs::Vocabulary;
-use sinscal::{Effect, Filter, Strapdown};
+use sinscal::{Effect, Filter, Sizes, Strapdown};
 
 use crate::say::Loudness;
 
@@ -121,7 +121,7 @@ impl Program {
     }
 
     /// And with filter `F`. It replaces one of the same name.
-    pub fn filter<F: Filter<Dynamics = Strapdown>>(mut self) -> Self {
+    pub fn filter<F: Filter<Dynamics = Strapdown, Shape: Sizes>>(mut self) -> Self {
         self.vocabulary = self.vocabulary.with_filter::<F>();
         self
     }

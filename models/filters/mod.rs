@@ -5,7 +5,7 @@
 
 pub mod literature;
 
-use calib_core::{Block, Filter, MeasurementInfo, StateInfo, declares};
+use calib_core::{Block, Filter, MeasurementInfo, Sizes, StateInfo, declares};
 use state_macro::StateBlocks;
 
 use crate::Strapdown;
@@ -95,7 +95,7 @@ pub trait FilterVisitor {
     /// What comes of it.
     type Output;
     /// Called with the declared filter.
-    fn visit<F: Filter<Dynamics = Strapdown>>(self) -> Self::Output;
+    fn visit<F: Filter<Dynamics = Strapdown, Shape: Sizes>>(self) -> Self::Output;
 }
 
 macro_rules! declared {

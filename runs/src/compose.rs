@@ -52,14 +52,6 @@ pub enum ComposeError {
         /// Name of the effect.
         effect: String,
     },
-    /// Nothing can be added to filters with such measurements.
-    #[error("nothing can be added at run time to {filter}, which measures {measures}: declare the filter")]
-    Measures {
-        /// Name of the filter.
-        filter: String,
-        /// Its measurements.
-        measures: String,
-    },
     /// A block does not fit.
     #[error(transparent)]
     Open(#[from] OpenError),
@@ -85,7 +77,7 @@ impl Composition {
         effects: &[&'static dyn AnyEffect],
     ) -> Result<Self, ComposeError> {
         let added = effects.iter().map(|effect| leaf(*effect)).collect();
-        Self::assembled(base, pool_of(base)?, base.blocks(), added, base.needs_dither(), effects)
+        Self::assembled(base, base.pool(), base.blocks(), added, base.needs_dither(), effects)
     }
 
     /// `base` with effects added and blocks left out, by name.
@@ -97,7 +89,7 @@ impl Composition {
         effects: &[&'static dyn AnyEffect],
         without: &[&str],
     ) -> Result<Self, ComposeError> {
-        let pool = pool_of(base)?;
+        let pool = base.pool();
         let mut own = base.blocks();
         let mut left_out = base.without();
         for name in without {
@@ -184,13 +176,6 @@ impl Composition {
     }
 }
 
-fn pool_of(base: &dyn AnyFilter) -> Result<&'static Pool, ComposeError> {
-    base.pool().ok_or_else(|| ComposeError::Measures {
-        filter: base.title(),
-        measures: base.measures().join(" and "),
-    })
-}
-
 /// An effect as a block; where it begins is not known yet.
 fn leaf(effect: &'static dyn AnyEffect) -> Leaf {
     Leaf { id: effect.id(), name: effect.name(), first: 0, block: effect.block() }
@@ -250,8 +235,8 @@ impl AnyFilter for Composition {
         (self.pool.code, &self.selection)
     }
 
-    fn pool(&self) -> Option<&'static Pool> {
-        Some(self.pool)
+    fn pool(&self) -> &'static Pool {
+        self.pool
     }
 
     fn prepare<'a>(&'a self, setup: &Setup<'a>, priors: &'a mut Vec<(&'a str, f64)>) -> Setup<'a> {

@@ -3,14 +3,14 @@
 use core::any::TypeId;
 use core::marker::PhantomData;
 
-use calib_core::{Block, BlockVisitor, Dynamics, Filter};
+use calib_core::{Block, BlockVisitor, Dynamics, Filter, Sizes};
 use sinscal::navigation::Pilot;
 use sinscal::{AnyBlock, FilterInfo, Setup, StateInfo, Strapdown};
 
 use crate::Error;
 use crate::compiled::{About, Compiled, Of, Selection};
 use crate::observe::Analysis;
-use crate::pool::{Carried, OnTable, Tracked};
+use crate::pool::pool;
 use crate::running::{Options, Running};
 use crate::samples::Samples;
 use crate::trace::{Trace, Traced};
@@ -41,9 +41,8 @@ pub trait AnyFilter: Send + Sync {
     /// The code that runs it, and which of that code's states take part.
     fn compiled(&self) -> (&'static dyn Compiled, &Selection);
 
-    /// The code of a filter with the same measurements and everything that can be estimated, for what is composed at run time;
-    /// none where nothing can be added.
-    fn pool(&self) -> Option<&'static Pool>;
+    /// The code of a filter with the same measurements and everything that can be estimated, for what is composed at run time.
+    fn pool(&self) -> &'static Pool;
 
     /// The setup of a run, with what the filter itself says of it.
     fn prepare<'a>(&'a self, setup: &Setup<'a>, priors: &'a mut Vec<(&'a str, f64)>) -> Setup<'a> {
@@ -123,7 +122,7 @@ pub struct Pool {
 }
 
 impl Pool {
-    const fn of<F: Filter<Dynamics = Strapdown>>() -> &'static Self {
+    pub(crate) const fn of<F: Filter<Dynamics = Strapdown>>() -> &'static Self {
         const { &Self { code: &Of::<F>::NEW, blocks: leaves::<F> } }
     }
 }
@@ -142,7 +141,7 @@ impl<F: Filter<Dynamics = Strapdown>> Declared<F> {
     }
 }
 
-impl<F: Filter<Dynamics = Strapdown>> AnyFilter for Declared<F> {
+impl<F: Filter<Dynamics = Strapdown, Shape: Sizes>> AnyFilter for Declared<F> {
     fn name(&self) -> &'static str {
         F::NAME
     }
@@ -177,13 +176,8 @@ impl<F: Filter<Dynamics = Strapdown>> AnyFilter for Declared<F> {
         (const { &Of::<F>::NEW }, &self.selection)
     }
 
-    fn pool(&self) -> Option<&'static Pool> {
-        match self.measures().as_slice() {
-            ["velocity", "position"] => Some(Pool::of::<OnTable>()),
-            ["velocity"] => Some(Pool::of::<Carried>()),
-            ["position", "attitude"] => Some(Pool::of::<Tracked>()),
-            _ => None,
-        }
+    fn pool(&self) -> &'static Pool {
+        pool::<F>()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use calib_core::Filter;
+use calib_core::{Filter, Sizes};
 use sinscal::{AnyEffect, CATALOGUE, Effect, FILTERS, FilterInfo, FilterVisitor, Strapdown, visit_filter};
 
 use crate::Error;
@@ -32,7 +32,7 @@ impl Vocabulary {
         impl FilterVisitor for Register {
             type Output = Vocabulary;
 
-            fn visit<F: Filter<Dynamics = Strapdown>>(self) -> Vocabulary {
+            fn visit<F: Filter<Dynamics = Strapdown, Shape: Sizes>>(self) -> Vocabulary {
                 self.0.declared::<F>(self.1.passes, self.1.about)
             }
         }
@@ -45,14 +45,18 @@ impl Vocabulary {
 
     /// And filter `F`, for units whose class needs so many passes, with what it holds in a few words. It replaces one of the same
     /// name.
-    pub fn declared<F: Filter<Dynamics = Strapdown>>(mut self, passes: u32, about: &'static str) -> Self {
+    pub fn declared<F: Filter<Dynamics = Strapdown, Shape: Sizes>>(
+        mut self,
+        passes: u32,
+        about: &'static str,
+    ) -> Self {
         self.filters.retain(|filter| filter.name() != F::NAME);
         self.filters.push(Arc::new(Declared::<F>::new(passes, about)));
         self
     }
 
     /// And filter `F`.
-    pub fn with_filter<F: Filter<Dynamics = Strapdown>>(self) -> Self {
+    pub fn with_filter<F: Filter<Dynamics = Strapdown, Shape: Sizes>>(self) -> Self {
         self.declared::<F>(PASSES, "declared by this program")
     }
 
