@@ -8,6 +8,7 @@ pub mod literature;
 use calib_core::{Block, Filter, MeasurementInfo, Sizes, StateInfo, declares};
 use state_macro::StateBlocks;
 
+use self::literature::{GnssIns15, PsinsCalibration, Systematic30, Systematic33};
 use crate::Strapdown;
 use crate::blocks::groups::*;
 use crate::blocks::*;
@@ -100,7 +101,7 @@ pub trait FilterVisitor {
 
 macro_rules! declared {
     ($($filter:ty: $passes:literal, $about:literal);+ $(;)?) => {
-        /// Every declared filter, in the order of their size.
+        /// Every filter that is named, those of the literature after ours.
         pub const FILTERS: &[FilterInfo] = &[$(FilterInfo::of::<$filter>($passes, $about)),+];
 
         /// Calls `visitor` with the filter called `name`; `None` when there is none.
@@ -121,6 +122,10 @@ declared! {
     Sins43B: 2, "43d-p with the dither coupling of the inner lever arm";
     Mems30: 3, "a MEMS unit carried by hand, velocity known when still";
     Tracked35: 3, "a MEMS unit tracked by position and attitude";
+    Systematic30: 2, "of the literature: the 21 errors of scale, installation and bias from velocity alone";
+    Systematic33: 2, "of the literature: systematic-30d and quadratic terms";
+    PsinsCalibration: 2, "of the literature: what PSINS calibrates, all nine lever arms of the accelerometers";
+    GnssIns15: 1, "of the literature: GNSS/INS with Gauss-Markov biases";
 }
 
 /// A declared filter as people choose it.

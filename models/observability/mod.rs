@@ -82,7 +82,9 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
         let relaxing = self.relaxing.clone();
         let mut rows =
             ObservabilityRows::<F, f64>::with_relaxing(&point, &signals, relaxing, segment.duration);
-        let powers = if relaxes::<F>() { F::Shape::STATES } else { F::Shape::CORE };
+        let forgets = |state: &Relaxation<f64>| state.rate != 0.0;
+        let relaxes = relaxes::<F>() && self.relaxing.as_slice().iter().any(forgets);
+        let powers = if relaxes { F::Shape::STATES } else { F::Shape::CORE };
         let mut factorial = 1.0;
         for k in 0..=powers {
             if k > 0 {
