@@ -10,6 +10,8 @@ use miette::{IntoDiagnostic, Result, miette};
 use runs::{AnyFilter, Calibrated, Flight, Options, Outcome, calibrate_all};
 use serde::Serialize;
 
+use sinscal::PAPER;
+
 use crate::arguments::{self, ALIGNMENT, LogArgument, Results, alignment};
 use crate::navigate::{errors, fly, section};
 use crate::origin::{Documented as _, inputs};
@@ -17,9 +19,6 @@ use crate::setup;
 use crate::source::{Source, fault};
 use crate::vocabulary::vocabulary;
 use reports::{Cell, Report as Page, Section, Table, Tone, number, text};
-
-/// The five filters of the paper, in the order of its table 3.
-pub(crate) const FILTERS: [&str; 5] = ["36d-p", "39d-p", "40d-p", "43d-p", "43d-b"];
 
 /// What its help ends with.
 const EXAMPLES: &str = "\
@@ -121,7 +120,7 @@ impl Arguments {
 
 /// The filters of the paper.
 pub(crate) fn paper() -> Result<Vec<Arc<dyn AnyFilter>>> {
-    FILTERS.iter().map(|name| vocabulary().filter(name).map_err(|error| miette!("{error}"))).collect()
+    PAPER.iter().map(|name| vocabulary().filter(name).map_err(|error| miette!("{error}"))).collect()
 }
 
 /// Runs every filter over `log`.

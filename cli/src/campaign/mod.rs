@@ -18,10 +18,10 @@ use miette::{IntoDiagnostic, Report, Result, miette};
 use rayon::prelude::*;
 use rig::scenario::MotionPlan;
 use runs::AnyFilter;
+use sinscal::PAPER;
 use study::{Plan, Summary, UnitResult};
 
 use self::store::{Identity, Store};
-use crate::ablate::FILTERS;
 use crate::arguments::{self, ALIGNMENT, Drawn, Results, alignment, hours};
 use crate::compose::Change;
 use crate::origin::Documented as _;
@@ -57,7 +57,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     drawn: Drawn,
     /// The filters, separated by commas
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_values = FILTERS, ignore_case = true,
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_values = PAPER, ignore_case = true,
           value_parser = arguments::filter())]
     filters: Vec<Arc<dyn AnyFilter>>,
     #[command(flatten)]
