@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion};
 use rig::Scenario;
+use runs::Vocabulary;
 use study::{Plan, UnitResult};
 
 const UNITS: u64 = 4;
@@ -40,7 +41,7 @@ fn campaign(plan: &Plan, threads: usize) -> Vec<UnitResult> {
 fn main() {
     let plan = Plan {
         scenario: Scenario::parse("[imu]\nrate = \"25 Hz\"").expect("a scenario"),
-        filters: vec!["36d-p".to_owned()],
+        filters: vec![Vocabulary::standard().filter("36d-p").expect("a filter of the library")],
         passes: 1,
         hours: 0.0,
         alignment: 0.0,

@@ -2,9 +2,10 @@
 //! what is assembled for it, and a sample of navigation.
 //!
 //! `cargo bench --bench cycle`; `cargo bench --bench cycle -- --least` prints the least of many short repetitions
-//! instead of statistics, which a busy machine disturbs little. Each timing runs ten cycles in a row on the same
-//! covariance, as a filter does. Every peer is checked to give the same covariance before it is timed. Other
-//! crates stand in `benches/peers`, which runs all of this too.
+//! instead of statistics, which a busy machine disturbs little. Each timing runs cycles in a row on the same
+//! covariance, as a filter does. Every peer is checked to give the same covariance before it is timed. The two forms and
+//! nalgebra's dynamic matrices are timed by `sinscal::check::bench`, which does the same for any filter. Other crates stand
+//! in `benches/peers`, which runs all of this too.
 
 #[path = "case/bench.rs"]
 pub(crate) mod bench;
@@ -17,10 +18,10 @@ mod navigation;
 use std::hint::black_box;
 
 use bench::Bench;
-use calib_core::{Conventional, Form, Ud};
-use case::{F, N, S, case, check, cycle, factors, interval, point, signals};
-use dense::{Dense, Dynamic};
-use nalgebra::{DMatrix, SMatrix};
+use calib_core::Conventional;
+use case::{F, N, case, check, cycle, interval, point, signals};
+use dense::Dense;
+use nalgebra::SMatrix;
 use navigation::{Navigation, PERIOD};
 
 type Peer = fn(&Dense<N>, &mut SMatrix<f64, N, N>);
@@ -29,17 +30,12 @@ type Peer = fn(&Dense<N>, &mut SMatrix<f64, N, N>);
 pub(crate) const CYCLES: u32 = 10;
 
 fn forms(bench: &mut Bench) {
+    let mut time = |name: &str, cycle: &mut dyn FnMut()| bench.run(name, CYCLES, || (), |()| cycle());
+    sinscal::check::bench::<F>(&point(), &signals(), &mut time).expect("equal covariances");
+
     let case = case();
     let mut want = case.p;
     cycle::<Conventional>(&case, &mut want);
-    bench.run("conventional", CYCLES, || case.p, |p| cycle::<Conventional>(&case, p));
-    let ud = factors(&case.p);
-    let (mut moved, mut p) = (ud, case.p);
-    cycle::<Ud>(&case, &mut moved);
-    Ud::dense::<S, f64>(&moved, &mut p);
-    check("UD", |i, j| p[i][j], &want);
-    bench.run("UD", CYCLES, || ud, |p| cycle::<Ud>(&case, p));
-
     let dense = Dense::new(&case.rows, &case.noise, &case.h, &case.r);
     let start = SMatrix::from_fn(|i, j| case.p[i][j]);
     let peers: [(&str, Peer); 3] = [
@@ -53,12 +49,6 @@ fn forms(bench: &mut Bench) {
         check(name, |i, j| p[(i, j)], &want);
         bench.run(name, CYCLES, || start, |p| run(&dense, p));
     }
-    let dynamic = Dynamic::new(&dense);
-    let start = DMatrix::from_fn(N, N, |i, j| case.p[i][j]);
-    let mut p = start.clone();
-    dynamic.cycle(&mut p);
-    check("nalgebra, dynamic", |i, j| p[(i, j)], &want);
-    bench.run("nalgebra, dynamic, (I - K H) P", CYCLES, || start.clone(), |p| dynamic.cycle(p));
 }
 
 /// Nanoseconds each: the clock needs a hundred of them.

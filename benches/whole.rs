@@ -9,7 +9,8 @@ mod bench;
 use bench::Bench;
 use gap::{Noise, Pricing};
 use rig::{Scenario, Simulation};
-use sinscal::{Calibration, Filter, FilterVisitor, Sample, Setup, Sins36P, Strapdown};
+use runs::Vocabulary;
+use sinscal::{Calibration, Filter, FilterVisitor, Sample, Setup, Strapdown};
 
 /// A pass with one filter.
 struct Pass<'a, 'b> {
@@ -24,7 +25,7 @@ impl FilterVisitor for Pass<'_, '_> {
 
     fn visit<F: Filter<Dynamics = Strapdown>>(self) {
         let pass = |(): &mut ()| {
-            let mut run = Box::new(Calibration::<F>::new(self.setup));
+            let mut run = Box::new(Calibration::<F>::new(self.setup).expect("a sound setup"));
             for sample in self.samples {
                 run.step(sample).expect("does not diverge");
             }
@@ -48,7 +49,11 @@ fn main() {
         sinscal::visit_filter(filter.name, pass);
     }
     let log = gap::Log { samples: &samples, setup: &setup };
-    let price = |(): &mut ()| Pricing::of::<Sins36P>(&log, Noise::STATED).expect("a sound log").base();
+    let vocabulary = Vocabulary::standard();
+    let filter = vocabulary.filter("36d-p").expect("a filter of the library");
+    let price = |(): &mut ()| {
+        Pricing::of(&*filter, vocabulary.effects(), &log, Noise::STATED).expect("a sound log").base()
+    };
     bench.run("pricing with 36d-p", 1, || (), price);
     bench.finish();
 }

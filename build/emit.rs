@@ -6,10 +6,15 @@ use quote::{format_ident, quote};
 use crate::expr::{Expr, Function, Operations, Operator};
 use crate::ir::{Kind, Table};
 
-/// A module per table.
+/// A module per table, and the list of what they say about themselves.
 pub(crate) fn emit(tables: &[Table]) -> TokenStream {
     let modules = tables.iter().map(module);
-    quote!(#(#modules)*)
+    let names = tables.iter().map(|table| format_ident!("{}", table.name.replace('-', "_")));
+    quote! {
+        #(#modules)*
+        /// What the tables say about themselves, in order of their names.
+        pub const ALL: &[EffectTable] = &[#(#names::TABLE),*];
+    }
 }
 
 fn module(table: &Table) -> TokenStream {
@@ -31,10 +36,10 @@ fn module(table: &Table) -> TokenStream {
 fn description(table: &Table) -> TokenStream {
     let Table { name, description, equation, source, sympy, unit, components, rows, columns, .. } = table;
     let kind = match table.kind {
-        Kind::Rate => quote!(Kind::Rate),
-        Kind::Force => quote!(Kind::Force),
-        Kind::Measurement => quote!(Kind::Measurement),
-        _ => quote!(Kind::Dynamics),
+        Kind::Rate => quote!(Some(Kind::Rate)),
+        Kind::Force => quote!(Some(Kind::Force)),
+        Kind::Measurement => quote!(Some(Kind::Measurement)),
+        _ => quote!(None),
     };
     let inputs = table.inputs.iter().map(|(_, field)| field);
     let nonzeros = table.entries.len();

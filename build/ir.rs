@@ -59,9 +59,11 @@ impl Kind {
     fn shape(self, parameters: usize) -> (usize, usize) {
         match self {
             Self::Rate | Self::Force => (6, parameters),
-            Self::Measurement => (9, parameters),
-            Self::Core | Self::Residual => (9, 9),
-            Self::Injection | Self::ResidualInput => (9, 6),
+            Self::Measurement => (12, parameters),
+            Self::Core => (9, 9),
+            Self::Residual => (12, 9),
+            Self::Injection => (9, 6),
+            Self::ResidualInput => (12, 6),
         }
     }
 
@@ -70,16 +72,18 @@ impl Kind {
         match self {
             Self::Rate => 0..3,
             Self::Force => 3..6,
-            _ => 0..9,
+            Self::Measurement | Self::Residual | Self::ResidualInput => 0..12,
+            Self::Core | Self::Injection => 0..9,
         }
     }
 }
 
 /// Vectors along x, y, z that expressions may be read from, and scalars.
-const SIGNAL_VECTORS: [&str; 8] = [
+const SIGNAL_VECTORS: [&str; 9] = [
     "rate",
     "angular_acceleration",
     "force",
+    "force_rate",
     "temperature",
     "temperature_rate",
     "gyro_temperature",

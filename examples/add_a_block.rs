@@ -3,7 +3,7 @@
 //! The effect: accelerometers behind a rubber mount read more the faster the unit turns, `d_f_i = k_i |omega| f_i`, and
 //! the mount's stiffness wanders: k forgets within ten minutes. Run it with `cargo run --release --example add_a_block`.
 
-use sinscal::check::{Model, compare, dual_jacobian};
+use sinscal::check::{self, Model};
 use sinscal::prelude::*;
 use sinscal::{FORCE, Signals};
 
@@ -14,17 +14,21 @@ pub struct MountSoftness;
 const CORRELATION_TIME: f64 = 600.0;
 /// Standard deviation of k, s.
 const SIGMA: f64 = 1e-4;
+/// How k wanders: the density keeps its standard deviation.
+const WANDER: Relaxation<f64> =
+    Relaxation { rate: 1.0 / CORRELATION_TIME, density: 2.0 * SIGMA * SIGMA / CORRELATION_TIME };
 
 impl Block for MountSoftness {
     type Dynamics = Strapdown;
     type View<'a, T: Real> = BlockView<'a, Self, T>;
+    const NAME: &'static str = "mount-softness";
     const DIM: usize = 3;
-    const RELAXES: bool = true;
+    const RELAXATIONS: &'static [(usize, Relaxation<f64>)] = &[(0, WANDER), (1, WANDER), (2, WANDER)];
 
     fn states(visit: &mut dyn FnMut(StateInfo)) {
         for component in ["x", "y", "z"] {
             visit(StateInfo {
-                block: "mount-softness",
+                block: Self::NAME,
                 component,
                 unit: "s",
                 prior_sigma: SIGMA,
@@ -40,26 +44,17 @@ impl Block for MountSoftness {
             put(FORCE + i, i, speed * s.force[i]);
         }
     }
-
-    fn relaxation<T: Real>(put: &mut impl FnMut(usize, Relaxation<T>)) {
-        let rate = 1.0 / CORRELATION_TIME;
-        for state in 0..3 {
-            put(state, Relaxation { rate: T::of(rate), density: T::of(2.0 * SIGMA * SIGMA * rate) });
-        }
-    }
 }
 
-/// The effect as one would write it down, for the check.
-struct Reading {
-    signals: Signals<f64>,
-}
+/// What the sensors read, as one would write it down, for the check.
+struct Reading(Signals<f64>);
 
-impl Model<3, 3> for Reading {
-    fn value<T: Real>(&self, k: &[T; 3]) -> [T; 3] {
-        let w = self.signals.rate.map(T::of);
-        let f = self.signals.force.map(T::of);
+impl Model<3, 6> for Reading {
+    fn value<T: Real>(&self, k: &[T; 3]) -> [T; 6] {
+        let (w, f) = (self.0.rate.map(T::of), self.0.force.map(T::of));
         let speed = (w.x * w.x + w.y * w.y + w.z * w.z).sqrt();
-        core::array::from_fn(|i| f[i] * (T::one() + k[i] * speed))
+        let force = |i: usize| f[i] * (T::one() + k[i] * speed);
+        [w.x, w.y, w.z, force(0), force(1), force(2)]
     }
 }
 
@@ -72,23 +67,10 @@ struct MountedUnit {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let zero = nalgebra::Vector3::zeros();
-    let signals = Signals {
-        rate: nalgebra::Vector3::new(0.2, -0.1, 0.3),
-        force: nalgebra::Vector3::new(1.0, -2.0, 9.5),
-        angular_acceleration: zero,
-        temperature: zero,
-        temperature_rate: zero,
-        gyro_temperature: zero,
-        dither: zero,
-        coupled_dither: zero,
-        time: 0.0,
-    };
-    let mut jacobian = [[0.0; 3]; 3];
-    MountSoftness::input_jacobian(&signals, &mut |input, state, value| {
-        jacobian[input - FORCE][state] = value
-    });
-    compare(&jacobian, &dual_jacobian(&Reading { signals }, &[0.0; 3]), 1e-12)?;
-    println!("the Jacobian of MountSoftness is right; {} has {} states", MountedUnit::NAME, MountedUnit::DIM);
+    let signals =
+        Signals { rate: [0.2, -0.1, 0.3].into(), force: [1.0, -2.0, 9.5].into(), ..Signals::default() };
+    check::inputs::<MountSoftness, 3, 6>(&signals, &Reading(signals), 1e-12)?;
+    println!("the Jacobian is right: {}", check::block::<MountSoftness>()?);
+    println!("{}", check::filter::<MountedUnit>()?);
     Ok(())
 }

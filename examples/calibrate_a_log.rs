@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let log = Simulation::new(&scenario, 7)?;
     let description = log.description().clone();
 
-    let mut run = Calibration::<Sins40P>::new(&description.setup(&[]));
+    let mut run = Calibration::<Sins40P>::new(&description.setup(&[]))?;
     let mut smoother: Smoother<Sins40P> = Smoother::default();
     for sample in log {
         if let Some(update) = run.step_observed(&sample, &mut smoother)? {

@@ -5,33 +5,32 @@
 //! cargo run --release --example find_the_missing_effect
 //! ```
 
-use gap::{Candidates, Diagnosis, Log, Options, diagnose_with};
-use hybrid_array::typenum::U64;
+use gap::{Diagnosis, Log, Options, diagnose};
 use nalgebra::Vector3;
 use rig::{DitherMode, Scenario, Simulation};
+use runs::Vocabulary;
 use sinscal::prelude::*;
-use sinscal::{FORCE, Sample, Signals, Sins36P, StateInfo};
+use sinscal::{Effect, EffectInfo, FORCE, Kind, Sample, Signals, Sins36P, StateInfo};
 
 /// Accelerometers that read more the faster the unit turns, whatever the sense: `d_f_i = k_i |omega|`.
 #[derive(Debug)]
 struct SpinSensitivity;
 
+impl Effect for SpinSensitivity {
+    const EFFECT: EffectInfo =
+        EffectInfo::new("spin-sensitivity", Kind::Force, &["x", "y", "z"], "m/s", 1e-2)
+            .model("d_f_i = k_i |omega|", "accelerometers that read more the faster the unit turns")
+            .sheet("mm/s", 1e-3);
+}
+
 impl Block for SpinSensitivity {
     type Dynamics = Strapdown;
     type View<'a, T: Real> = BlockView<'a, Self, T>;
+    const NAME: &'static str = "spin-sensitivity";
     const DIM: usize = 3;
 
     fn states(visit: &mut dyn FnMut(StateInfo)) {
-        for component in ["x", "y", "z"] {
-            visit(StateInfo {
-                block: "spin-sensitivity",
-                component,
-                unit: "m/s",
-                prior_sigma: 1e-2,
-                sheet_unit: "mm/s",
-                sheet_scale: 1e-3,
-            });
-        }
+        Self::EFFECT.states(visit);
     }
 
     fn input_jacobian<T: Real>(signals: &Signals<T>, put: &mut impl FnMut(usize, usize, T)) {
@@ -39,14 +38,6 @@ impl Block for SpinSensitivity {
             put(FORCE + i, i, signals.rate.norm());
         }
     }
-}
-
-/// The catalogue and one more.
-#[derive(Debug, StateBlocks)]
-#[group]
-struct Mine {
-    known: Candidates,
-    spin: SpinSensitivity,
 }
 
 /// A run of a simulated unit that has what `Sins36P` knows, and the new effect. Yours comes from a file.
@@ -69,7 +60,11 @@ fn run(number: u64) -> Result<(Vec<Sample>, rig::Description), rig::ScenarioErro
 pub(crate) fn find(options: &Options) -> Result<Diagnosis, Box<dyn std::error::Error>> {
     let (first, second) = (run(0)?, run(1)?);
     let (here, there) = (first.1.setup(&[]), second.1.setup(&[]));
-    Ok(diagnose_with::<Sins36P, Mine, U64>(
+    let vocabulary = Vocabulary::standard().with_effect::<SpinSensitivity>();
+    let filter = vocabulary.filter("36d-p")?;
+    Ok(diagnose(
+        &*filter,
+        vocabulary.effects(),
         &Log { samples: &first.0, setup: &here },
         Some(&Log { samples: &second.0, setup: &there }),
         options,

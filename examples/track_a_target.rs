@@ -11,8 +11,7 @@ struct ConstantVelocity;
 impl Dynamics for ConstantVelocity {
     const CORE: usize = 4;
     const INPUTS: usize = 0;
-    const CHANNELS: &'static [ChannelGroup] =
-        &[ChannelGroup { name: "plot", first: 0, components: &["e", "n"], unit: "m" }];
+    const CHANNELS: usize = 2;
     const NEEDS: &'static [Need] = &[];
     type Signals<T: Real> = ();
     type Point<T: Real> = ();
@@ -28,6 +27,21 @@ impl Dynamics for ConstantVelocity {
     }
 }
 
+/// What the radar shows: position, which is the channels as they are.
+struct Plot;
+
+impl Measurement for Plot {
+    type Dynamics = ConstantVelocity;
+    const INFO: MeasurementInfo = MeasurementInfo {
+        name: "plot",
+        components: &["e", "n"],
+        unit: "m",
+        columns: &[],
+        sigma: 3.0,
+        channels: Some(0),
+    };
+}
+
 /// What all blocks of this example share: two components, a name, a prior.
 macro_rules! planar {
     ($block:ident, $name:literal, $unit:literal, $sigma:literal, {$($more:item)*}) => {
@@ -35,11 +49,12 @@ macro_rules! planar {
         impl Block for $block {
             type Dynamics = ConstantVelocity;
             type View<'a, T: Real> = BlockView<'a, Self, T>;
+            const NAME: &'static str = $name;
             const DIM: usize = 2;
             fn states(visit: &mut dyn FnMut(StateInfo)) {
                 for component in ["e", "n"] {
                     visit(StateInfo {
-                        block: $name, component, unit: $unit, prior_sigma: $sigma, sheet_unit: $unit, sheet_scale: 1.0,
+                        block: Self::NAME, component, unit: $unit, prior_sigma: $sigma, sheet_unit: $unit, sheet_scale: 1.0,
                     });
                 }
             }
@@ -52,12 +67,10 @@ planar!(TargetPosition, "target-position", "m", 1000.0, {});
 planar!(TargetVelocity, "target-velocity", "m/s", 30.0, {});
 planar!(RadarZero, "radar-zero", "m", 20.0, {
     // forgets within 200 s; the density keeps its standard deviation at 20 m
-    const RELAXES: bool = true;
-    fn relaxation<T: Real>(put: &mut impl FnMut(usize, Relaxation<T>)) {
-        for state in 0..2 {
-            put(state, Relaxation { rate: T::of(1.0 / 200.0), density: T::of(2.0 * 400.0 / 200.0) });
-        }
-    }
+    const RELAXATIONS: &'static [(usize, Relaxation<f64>)] = &[
+        (0, Relaxation { rate: 1.0 / 200.0, density: 2.0 * 400.0 / 200.0 }),
+        (1, Relaxation { rate: 1.0 / 200.0, density: 2.0 * 400.0 / 200.0 }),
+    ];
     // a parameter state is truth - estimate: a zero not yet removed makes the plot read more, the residual less
     fn measurement_jacobian<T: Real>((): &(), put: &mut impl FnMut(usize, usize, T)) {
         put(0, 0, -T::one());
@@ -66,7 +79,7 @@ planar!(RadarZero, "radar-zero", "m", 20.0, {
 });
 
 #[derive(StateBlocks)]
-#[filter(dynamics = ConstantVelocity, measures(plot))]
+#[filter(dynamics = ConstantVelocity, measures(Plot))]
 struct Tracker {
     position: TargetPosition,
     velocity: TargetVelocity,
@@ -86,8 +99,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let t = f64::from(second);
         let plot = [300.0 + 12.0 * t + 3.0 * (0.9 * t).sin(), -200.0 + 5.0 * t + 3.0 * (1.7 * t).cos()];
         let mut residuals = Residuals::<Tracker, f64>::default();
-        for channel in 0..2 {
-            residuals.set(channel, -plot[channel], 3.0);
+        for row in 0..2 {
+            residuals.set(row, -plot[row], Plot::INFO.sigma);
         }
         let found = kalman.update(&(), &(), residuals, None)?;
         if second % 30 == 0 {

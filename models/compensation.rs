@@ -1,10 +1,10 @@
 //! Takes the modelled sensor errors out of raw increments, in real time.
 
-use calib_core::{Array, Filter, Real, Vector, restrict};
+use calib_core::{Array, Dynamics, Filter, Real, Vector};
 use nalgebra::Vector3;
 
 use crate::strapdown::Increments;
-use crate::{Sample, Signals, Strapdown};
+use crate::{OpenBlocks, Sample, Signals, Strapdown};
 
 /// The error model is evaluated at the true motion, which is what compensation is after: each round puts the result of
 /// the one before in, the first that of the sample before. When a round moves the signals by less than this fraction of them,
@@ -12,6 +12,10 @@ use crate::{Sample, Signals, Strapdown};
 const STILL: f64 = 1e-10;
 /// There are at most so many rounds: MEMS errors then reach 1e-10 of the signal even at the first sample.
 const ROUNDS: usize = 6;
+
+/// The specific force in n is smoothed over this time before its change is taken, s: as short as differences of single samples allow
+/// that carry white noise, since a change is seen so much late.
+const SMOOTHING: f64 = 0.01;
 
 /// Follows the environment along a log and compensates each sample with filter `F`'s parameters.
 ///
@@ -24,7 +28,10 @@ pub struct Compensator {
     temperature: Held,
     gyro_temperature: Held,
     dither: Vector3<f64>,
+    open: OpenBlocks,
     last_rate: Vector3<f64>,
+    /// Smoothed specific force as read, turned along with the body: constant where it is constant in n.
+    smooth_force: Vector3<f64>,
     /// Errors of rate and force at the last sample.
     last_error: (Vector3<f64>, Vector3<f64>),
 }
@@ -69,9 +76,17 @@ impl Compensator {
             temperature: Held::new(reference_temperature),
             gyro_temperature: Held::new(reference_temperature),
             dither: Vector3::zeros(),
+            open: OpenBlocks::NONE,
             last_rate: Vector3::repeat(f64::NAN),
+            smooth_force: Vector3::zeros(),
             last_error: (Vector3::zeros(), Vector3::zeros()),
         }
+    }
+
+    /// The same for a filter that `blocks` have joined at run time.
+    #[must_use]
+    pub fn with_open(self, blocks: OpenBlocks) -> Self {
+        Self { open: blocks, ..self }
     }
 
     /// Takes in the slow readings of a sample.
@@ -104,25 +119,30 @@ impl Compensator {
             self.temperature.value
         };
         let dither = self.dither.component_mul(&self.dither) * 0.5;
-        let before = if self.last_rate.x.is_nan() { rate } else { self.last_rate };
+        let first = self.last_rate.x.is_nan();
+        let before = if first { rate } else { self.last_rate };
+        let change_n = self.follow(&force, &((rate + before) * (0.5 * dt)), dt, first);
         let mut signals = Signals {
             rate,
             angular_acceleration: (rate - before) / dt,
             force,
+            force_rate: change_n,
             temperature: self.temperature.value.add_scalar(-self.reference_temperature),
             temperature_rate: self.temperature.rate,
             gyro_temperature: gyro_temperature.add_scalar(-self.reference_temperature),
             dither,
-            coupled_dither: dither,
+            coupled_dither: if self.open.couples_dither() { dither } else { Vector3::zeros() },
             time: sample.time - self.start,
+            open: self.open,
         };
         self.last_rate = rate;
-        restrict::<F, f64>(&mut signals);
+        Strapdown::restrict::<F, f64>(&mut signals);
         let mut error = self.last_error;
         let (still_rate, still_force) = (STILL * rate.amax(), STILL * force.amax());
         for _ in 0..ROUNDS {
             signals.rate = rate - error.0;
             signals.force = force - error.1;
+            signals.force_rate = change_n + signals.force.cross(&signals.rate);
             let before = error;
             error = input_errors::<F, f64>(&signals, parameters);
             if (error.0 - before.0).amax() <= still_rate && (error.1 - before.1).amax() <= still_force {
@@ -133,6 +153,25 @@ impl Compensator {
         signals.force = force - error.1;
         self.last_error = error;
         (Increments { dtheta: signals.rate * dt, dvel: signals.force * dt }, signals)
+    }
+}
+
+impl Compensator {
+    /// Change of the specific force in n, m/s^3, along the axes of b, smoothed; `turn` has brought the body from the middle of the last
+    /// interval to that of this one.
+    ///
+    /// It is taken from the readings as they are. Their errors count as little as the delay is short; what has been compensated
+    /// with the delay would feed its own noise back.
+    fn follow(&mut self, force: &Vector3<f64>, turn: &Vector3<f64>, dt: f64, first: bool) -> Vector3<f64> {
+        if first {
+            self.smooth_force = *force;
+            return Vector3::zeros();
+        }
+        let carried =
+            self.smooth_force - turn.cross(&(self.smooth_force - turn.cross(&self.smooth_force) * 0.5));
+        let change = (force - carried) / (SMOOTHING + dt);
+        self.smooth_force = carried + change * dt;
+        change
     }
 }
 

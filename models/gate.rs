@@ -18,9 +18,10 @@
 //! long run, the reference is taken to begin anew somewhere else: the caller opens the states that it measures. Where that
 //! happens again, it is the filter that is wrong, and the limit stays where it is.
 
+use calib_core::MeasurementInfo;
 use nalgebra::ComplexField;
 
-use crate::Reference;
+use crate::measurements::Reading;
 
 /// 97.5 % quantile of chi-square with three degrees of freedom, per degree of freedom.
 const EXPECTED: f64 = 9.348 / 3.0;
@@ -41,6 +42,9 @@ const RUN: u32 = 10;
 /// Readings that repeat the one before are no news once so many have differed for each that did not.
 const DIFFERED: u32 = 20;
 
+/// A filter measures no more than this.
+pub(crate) const MOST: usize = 8;
+
 /// What becomes of a reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
@@ -52,7 +56,7 @@ pub(crate) enum Verdict {
     Reopen,
 }
 
-/// The gate of one measured group.
+/// The gate of one measurement.
 #[derive(Clone, Copy, Debug)]
 struct Group {
     /// Readings beyond so many times the level are refused.
@@ -160,37 +164,42 @@ impl<T: Copy + PartialEq> Repeats<T> {
     }
 }
 
-/// The gates of velocity, position and attitude.
+/// How the readings of a filter's measurements were spread in a run, and so which are not to be believed in the next one.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Gate {
-    groups: [Group; 3],
-    vectors: [Repeats<nalgebra::Vector3<f64>>; 2],
-    attitude: Repeats<nalgebra::UnitQuaternion<f64>>,
+pub struct Gate {
+    measures: &'static [MeasurementInfo],
+    groups: [Group; MOST],
+    readings: [Repeats<Reading>; MOST],
 }
 
 impl Gate {
     /// Gates that have seen nothing.
-    pub(crate) const NEW: Self =
-        Self { groups: [Group::NEW; 3], vectors: [Repeats::NONE; 2], attitude: Repeats::NONE };
+    pub(crate) fn new(measures: &'static [MeasurementInfo]) -> Self {
+        Self { measures, groups: [Group::NEW; MOST], readings: [Repeats::NONE; MOST] }
+    }
 
     /// The gates for a further pass over the same log.
     pub(crate) fn again(&self) -> Self {
-        Self { groups: self.groups.map(|group| group.again()), ..Self::NEW }
+        Self { groups: self.groups.map(|group| group.again()), ..Self::new(self.measures) }
     }
 
-    /// Channel groups whose readings are no news, as bits.
-    pub(crate) fn repeats(&mut self, reference: &Reference) -> u32 {
-        let stuck = [
-            reference.velocity.is_some_and(|reading| self.vectors[0].stuck(reading)),
-            reference.position.is_some_and(|reading| self.vectors[1].stuck(reading)),
-            reference.attitude.is_some_and(|reading| self.attitude.stuck(reading)),
-        ];
-        stuck.iter().enumerate().map(|(bit, stuck)| u32::from(*stuck) << bit).sum()
+    /// Takes over what the gates of another filter have learnt of what both measure.
+    pub(crate) fn adopt(&mut self, other: &Self) {
+        for (group, info) in self.groups.iter_mut().zip(self.measures) {
+            if let Some(there) = other.measures.iter().position(|measured| measured.name == info.name) {
+                *group = other.groups[there];
+            }
+        }
     }
 
-    /// Judges the reading of a channel group of the dynamics by its normalised innovation squared per component.
-    pub(crate) fn judge(&mut self, group: usize, nis: f64) -> Verdict {
-        self.groups.get_mut(group).map_or(Verdict::Use, |group| group.judge(nis))
+    /// Whether the reading of a measurement is no news.
+    pub(crate) fn repeats(&mut self, measured: usize, reading: &Reading) -> bool {
+        self.readings[measured].stuck(*reading)
+    }
+
+    /// Judges the reading of a measurement by its normalised innovation squared per row.
+    pub(crate) fn judge(&mut self, measured: usize, nis: f64) -> Verdict {
+        self.groups[measured].judge(nis)
     }
 }
 

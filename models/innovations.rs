@@ -2,25 +2,25 @@
 
 use std::vec::Vec;
 
-use calib_core::{Dynamics, Filter, Form, Matrix, Residuals, Shape, Vector, measurement_rows};
+use calib_core::{Filter, Form, Matrix, Residuals, Shape, Vector, measurement_rows};
 
 use crate::{Event, Observer, Point, Signals, Strapdown};
 
-/// Remembers the innovation of every measured channel at every update. Hand it to
+/// Remembers the innovation of every measured row at every update. Hand it to
 /// [`Calibration::step_observed`](crate::Calibration::step_observed).
 ///
 /// The innovation is `z - H x`, the residual without what the filter knew of it; its variance is that of `H P H' + R`. It holds
-/// three numbers for each channel and update.
+/// three numbers for each row and update.
 pub struct Innovations<F: Filter<Dynamics = Strapdown>> {
     /// State and covariance before the update; the correction of the navigation is already taken out of the state.
     predicted: Option<(Vector<F, f64>, Matrix<F, f64>)>,
     channels: Vec<ChannelInnovations>,
 }
 
-/// The innovations of one channel.
+/// The innovations of one row of a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChannelInnovations {
-    /// Name of the group, for instance `velocity`.
+    /// Name of the measurement, for instance `velocity`.
     pub group: &'static str,
     /// Component, for instance `e`.
     pub component: &'static str,
@@ -59,11 +59,11 @@ impl ChannelInnovations {
 impl<F: Filter<Dynamics = Strapdown>> Default for Innovations<F> {
     fn default() -> Self {
         let mut channels = Vec::new();
-        for group in F::MEASURES.iter().map(|group| &<Strapdown as Dynamics>::CHANNELS[*group]) {
-            channels.extend(group.components.iter().map(|component| ChannelInnovations {
-                group: group.name,
+        for info in F::MEASURES {
+            channels.extend(info.components.iter().map(|component| ChannelInnovations {
+                group: info.name,
                 component,
-                unit: group.unit,
+                unit: info.unit,
                 points: Vec::new(),
             }));
         }
@@ -72,7 +72,7 @@ impl<F: Filter<Dynamics = Strapdown>> Default for Innovations<F> {
 }
 
 impl<F: Filter<Dynamics = Strapdown>> Innovations<F> {
-    /// By channel, in the order of the declaration; a channel that was never measured has no points.
+    /// By row, in the order of the declaration; a row that was never measured has no points.
     pub fn finish(self) -> Vec<ChannelInnovations> {
         self.channels
     }

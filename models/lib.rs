@@ -51,21 +51,20 @@
 //! use nalgebra::{UnitQuaternion, Vector3};
 //!
 //! let setup = Setup {
-//!     rate: 50.0,
-//!     site: Site { latitude: 0.56, longitude: 2.07, height: 20.0 },
-//!     initial: InitialAttitude {
-//!         attitude: UnitQuaternion::identity(),
-//!         level_sigma: 5e-4,
-//!         heading_sigma: 2e-3,
-//!     },
-//!     reference: ReferenceSigma { velocity: 1e-3, position: 2e-3, attitude: 1e-4 },
-//!     update_rate: 1.0,
-//!     noise: SensorNoise { angle_random_walk: 3e-7, velocity_random_walk: 5e-5 },
-//!     reference_temperature: 25.0,
-//!     outer_lever: Vector3::zeros(),
 //!     priors: &[("accel-bias", 5e-3)],
+//!     ..Setup::new(
+//!         50.0,
+//!         Site { latitude: 0.56, longitude: 2.07, height: 20.0 },
+//!         InitialAttitude {
+//!             attitude: UnitQuaternion::identity(),
+//!             level_sigma: 5e-4,
+//!             heading_sigma: 2e-3,
+//!         },
+//!         ReferenceSigma { velocity: 1e-3, position: 2e-3, attitude: 1e-4 },
+//!         SensorNoise { angle_random_walk: 3e-7, velocity_random_walk: 5e-5 },
+//!     )
 //! };
-//! let mut run = Calibration::<Sins36P>::new(&setup);
+//! let mut run = Calibration::<Sins36P>::new(&setup)?;
 //! for k in 1..=500 {
 //!     let sample = Sample {
 //!         time: f64::from(k) / 50.0,
@@ -77,7 +76,7 @@
 //!         reference: Reference {
 //!             velocity: Some(Vector3::zeros()),
 //!             position: Some(Vector3::zeros()),
-//!             attitude: None,
+//!             ..Reference::default()
 //!         },
 //!     };
 //!     run.step(&sample)?;
@@ -85,7 +84,7 @@
 //!
 //! // it explains its log when this is near 1
 //! println!("NIS per degree of freedom {:.2}", run.statistics().nis_per_dof());
-//! # Ok::<(), sinscal::Diverged>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! # Read
@@ -123,7 +122,7 @@
 //!
 //! - `std` (default): faster elementary functions, [`Coarse`] and [`Smoother`]. Without it the library neither allocates nor links
 //!   the standard library.
-//! - `check`: the Jacobian checker `sinscal::check`, for the tests of your own blocks.
+//! - `check`: `sinscal::check`, for the tests and benchmarks of your own blocks and filters.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate self as sinscal;
@@ -140,12 +139,14 @@ mod filters;
 mod gate;
 #[cfg(feature = "std")]
 mod innovations;
+pub mod measurements;
 pub mod navigation;
 pub mod observability;
 mod observer;
 mod outcome;
 pub mod path;
 mod sample;
+mod setup;
 mod signals;
 #[cfg(feature = "std")]
 mod smoothing;
@@ -160,44 +161,52 @@ pub use blocks::{
     AccelScale, AccelScaleAsymmetry, AccelTemperatureBias, AccelTemperatureRate, AccelTemperatureScale,
     Attitude, Dither, DitherSizeEffect, GyroBias, GyroBiasDrift, GyroGSensitivity, GyroMisalignment,
     GyroRateNonlinearity, GyroScale, GyroScaleAsymmetry, GyroTemperatureBias, InnerLeverArm,
-    InnerLeverArmTangential, OuterLeverArm, Position, ReferenceDelay, ReferenceMisalignment, ReferenceTilt,
-    Velocity,
+    InnerLeverArmTangential, Open, OpenBlocks, OpenError, OuterLeverArm, Position, ReferenceDelay,
+    ReferenceMisalignment, ReferenceTilt, Velocity,
 };
 #[doc(hidden)]
 pub use calib_core;
 #[cfg(feature = "check")]
 pub use calib_core::check;
 pub use calib_core::{
-    Block, BlockSet, BlockView, ChannelGroup, Conventional, Dim, Dynamics, Estimate, Filter, Form,
-    Innovation, Kalman, Need, Real, Relaxation, Residuals, Shape, StateInfo, Transition, Ud, View,
+    Block, BlockView, BlockVisitor, Conventional, Counted, Dim, Dynamics, Estimate, Extended, Fault, Filter,
+    Flaw, Form, Innovation, Kalman, Leaf, Measurement, MeasurementInfo, Need, Real, Relaxation, Residuals,
+    Shape, StateInfo, Transition, Ud, View, declares, first_state, leaves, relaxations, relaxes,
 };
 pub use calibration::{Calibration, Known};
 #[cfg(feature = "std")]
 pub use coarse::{Coarse, CoarseCalibration, CoarseError, CoarseParameter, UnknownPulses};
 pub use compensation::{Compensator, input_errors};
-pub use effects::{EFFECTS, Effect, EffectInfo, effect};
+pub use effects::{
+    AnyBlock, AnyEffect, CATALOGUE, Catalogue, EFFECTS, Effect, EffectInfo, Kind, any_effect, effect,
+};
 pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
-    visit_filter,
+    literature, visit_filter,
 };
+pub use gate::Gate;
 #[cfg(feature = "std")]
 pub use innovations::{ChannelInnovations, Innovations};
+pub use measurements::channel;
 pub use observer::{Event, Observer, Refusal};
 pub use outcome::{Diverged, Parameter, Statistics, Update};
-pub use sample::{InitialAttitude, Reference, ReferenceSigma, Sample, SensorNoise, Setup, Site};
+pub use sample::{OWN, ReadingSigma, Reference, Sample, own_columns};
+pub use setup::{
+    InitialAttitude, InitialVelocity, ReferenceSigma, SensorNoise, Setup, SetupError, Site, Word,
+};
 pub use signals::{Point, Signals};
 #[cfg(feature = "std")]
 pub use smoothing::{Smoothed, Smoother, Tape};
 pub use state_macro::StateBlocks;
-pub use strapdown_model::{FORCE, RATE, Strapdown};
+pub use strapdown_model::{FORCE, RATE, Strapdown, probe};
 
 /// What a declaration needs: `use sinscal::prelude::*;`.
 pub mod prelude {
     pub use crate::blocks::groups::*;
     pub use crate::blocks::*;
     pub use crate::{
-        Block, BlockSet, BlockView, Calibration, ChannelGroup, Conventional, Dynamics, Filter, Kalman, Need,
-        Real, Relaxation, Residuals, StateBlocks, StateInfo, Strapdown, Transition, Ud,
+        Block, BlockView, Calibration, Conventional, Dynamics, Filter, Kalman, Measurement, MeasurementInfo,
+        Need, Real, Relaxation, Residuals, StateBlocks, StateInfo, Strapdown, Transition, Ud,
     };
 }
 

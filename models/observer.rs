@@ -24,11 +24,11 @@ pub enum Event<'a, F: Filter<Dynamics = Strapdown>, C: Form> {
     },
     /// The filter as it is after a prediction, before anything is fed back; once more after [`Widened`](Self::Widened).
     Moved(&'a Kalman<F, f64, C>),
-    /// A reading of a channel group was left out.
+    /// A reading of a measurement was left out.
     Refused {
         /// Time of the sample, s.
         time: f64,
-        /// Name of the group, for instance `velocity`.
+        /// Name of the measurement, for instance `velocity`.
         group: &'static str,
         /// What is wrong with it.
         why: Refusal,

@@ -26,7 +26,7 @@ pub struct Update {
     pub nis: f64,
     /// Scalar measurements used.
     pub degrees_of_freedom: usize,
-    /// Measurement groups that the gate refused, as bits in the order of the dynamics' channels.
+    /// Measurements that the gate refused, as bits in the order of the declaration.
     pub rejected: u32,
 }
 
@@ -41,9 +41,9 @@ pub struct Statistics {
     pub nis: f64,
     /// Gaussian log-likelihood of the innovations.
     pub log_likelihood: f64,
-    /// Measurement groups that the gate refused.
+    /// Readings that the gate refused.
     pub rejected: usize,
-    /// Measurement groups that repeated the reading before to the bit, where readings used to differ: no news.
+    /// Readings that repeated the one before to the bit, where readings used to differ: no news.
     pub repeated: usize,
     /// Times at which a reference that had been refused for long was taken to begin anew.
     pub reopened: usize,
@@ -63,8 +63,8 @@ impl Statistics {
 pub struct Diverged {
     /// Time of the sample, s.
     pub time: f64,
-    /// What was measured then: the first group whose innovations are no numbers any more, or whose covariance is not positive definite
-    /// any more; `the reference` where only all groups together show it.
+    /// What was measured then: the first measurement whose innovations are no numbers any more, or whose covariance is not positive definite
+    /// any more; `the reference` where only all together show it.
     pub channel: &'static str,
 }
 

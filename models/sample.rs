@@ -1,6 +1,10 @@
-//! One row of a log, and the description that goes with the table, in SI units.
+//! One row of a log, in SI units.
 
+use calib_core::Filter;
 use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::Strapdown;
+use crate::measurements::KNOWN;
 
 /// One IMU sample at the end of its sampling interval, with the reference where there is one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,78 +25,126 @@ pub struct Sample {
     pub reference: Reference,
 }
 
-/// What the reference says about the observed point.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Numbers that a sample holds for measurements of other crates.
+pub const OWN: usize = 8;
+
+/// What the reference says at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference {
-    /// Velocity over ground, ENU, m/s.
+    /// Velocity of the observed point over ground, ENU, m/s.
     pub velocity: Option<Vector3<f64>>,
-    /// Position from the site origin, ENU, m.
+    /// Position of the observed point from the site origin, ENU, m.
     pub position: Option<Vector3<f64>>,
     /// Attitude of the reference's body frame, C_bn.
     pub attitude: Option<UnitQuaternion<f64>>,
+    /// Rate of the body against the Earth, in b, rad/s: zero at rest.
+    pub rate: Option<Vector3<f64>>,
+    /// Height of the observed point over the site origin, m.
+    pub height: Option<f64>,
+    /// Heading of the body's forward axis, from north over east, rad.
+    pub heading: Option<f64>,
+    /// What the other columns hold that the filter's measurements read, in the order of [`own_columns`]; NaN where there is no
+    /// reading.
+    pub own: [f64; OWN],
+    /// Standard deviations of these readings.
+    pub sigma: ReadingSigma,
 }
 
-/// What must be known to run a filter over a log.
+/// Standard deviations that the readings of one instant state themselves; NaN, the default, leaves it to the [`Setup`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Setup<'a> {
-    /// Nominal sampling rate of the IMU, Hz.
-    pub rate: f64,
-    /// Where the log was taken.
-    pub site: Site,
-    /// Attitude at the start of the first interval.
-    pub initial: InitialAttitude,
-    /// Standard deviations of one reference reading.
-    pub reference: ReferenceSigma,
-    /// The reference is used at most this often, Hz.
-    pub update_rate: f64,
-    /// Random walks of the sensors.
-    pub noise: SensorNoise,
-    /// Temperature at which temperature effects vanish, degC.
-    pub reference_temperature: f64,
-    /// First guess of the outer lever arm, b, m: from the IMU's sensitive centre to the observed point.
-    pub outer_lever: Vector3<f64>,
-    /// Prior standard deviations that replace a block's default, by block name, SI.
-    pub priors: &'a [(&'a str, f64)],
-}
-
-/// The origin of the local frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Site {
-    /// Geodetic latitude, rad.
-    pub latitude: f64,
-    /// Longitude, rad.
-    pub longitude: f64,
-    /// Height over the ellipsoid, m.
-    pub height: f64,
-}
-
-/// Coarse attitude.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InitialAttitude {
-    /// C_bn.
-    pub attitude: UnitQuaternion<f64>,
-    /// Standard deviation of the tilt about east and about north, rad.
-    pub level_sigma: f64,
-    /// Standard deviation of the rotation about up, rad.
-    pub heading_sigma: f64,
-}
-
-/// Standard deviations of one reference reading, per component.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ReferenceSigma {
+pub struct ReadingSigma {
     /// Velocity, m/s.
-    pub velocity: f64,
+    pub velocity: Vector3<f64>,
     /// Position, m.
-    pub position: f64,
-    /// Attitude, rad.
-    pub attitude: f64,
+    pub position: Vector3<f64>,
+    /// Attitude about east, north, up, rad.
+    pub attitude: Vector3<f64>,
+    /// Rate, rad/s.
+    pub rate: Vector3<f64>,
+    /// Height, m.
+    pub height: f64,
+    /// Heading, rad.
+    pub heading: f64,
+    /// The numbers of [`Reference::own`]: of a measurement with as many rows as columns.
+    pub own: [f64; OWN],
 }
 
-/// Random walks of the sensors, the same on each axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SensorNoise {
-    /// Angle random walk, rad/sqrt(s).
-    pub angle_random_walk: f64,
-    /// Velocity random walk, (m/s)/sqrt(s).
-    pub velocity_random_walk: f64,
+impl Default for Reference {
+    /// Nothing.
+    fn default() -> Self {
+        Self {
+            velocity: None,
+            position: None,
+            attitude: None,
+            rate: None,
+            height: None,
+            heading: None,
+            own: [f64::NAN; OWN],
+            sigma: ReadingSigma::default(),
+        }
+    }
+}
+
+impl Default for ReadingSigma {
+    /// That of the setup.
+    fn default() -> Self {
+        let none = Vector3::repeat(f64::NAN);
+        Self {
+            velocity: none,
+            position: none,
+            attitude: none,
+            rate: none,
+            height: f64::NAN,
+            heading: f64::NAN,
+            own: [f64::NAN; OWN],
+        }
+    }
+}
+
+impl Reference {
+    /// Whether there is any reading.
+    pub fn is_read(&self) -> bool {
+        self.velocity.is_some()
+            || self.position.is_some()
+            || self.attitude.is_some()
+            || self.rate.is_some()
+            || self.height.is_some()
+            || self.heading.is_some()
+            || self.own.iter().any(|value| !value.is_nan())
+    }
+
+    /// The number in one of the slots: the columns that a reference has fields for, then its own.
+    pub(crate) fn value(&self, slot: usize) -> Option<f64> {
+        match slot {
+            0..3 => self.velocity.map(|v| v[slot]),
+            3..6 => self.position.map(|p| p[slot - 3]),
+            6..10 => self.attitude.map(|q| [q.w, q.i, q.j, q.k][slot - 6]),
+            10..13 => self.rate.map(|rate| rate[slot - 10]),
+            13 => self.height,
+            14 => self.heading,
+            _ => self.own.get(slot - KNOWN.len()).copied().filter(|value| !value.is_nan()),
+        }
+    }
+
+    /// Its stated standard deviation, NaN without one; those of attitude are three, in the first slots of the quaternion.
+    pub(crate) fn stated_sigma(&self, slot: usize) -> f64 {
+        let sigma = &self.sigma;
+        match slot {
+            0..3 => sigma.velocity[slot],
+            3..6 => sigma.position[slot - 3],
+            6..9 => sigma.attitude[slot - 6],
+            9 => f64::NAN,
+            10..13 => sigma.rate[slot - 10],
+            13 => sigma.height,
+            14 => sigma.heading,
+            _ => sigma.own.get(slot - KNOWN.len()).copied().unwrap_or(f64::NAN),
+        }
+    }
+}
+
+/// Names of the log's columns that [`Reference::own`] holds for a filter, in that order: those its measurements read and a
+/// reference has no field for.
+pub fn own_columns<F: Filter<Dynamics = Strapdown>>() -> impl Iterator<Item = &'static str> {
+    let (columns, count) = const { crate::measurements::own_columns(F::MEASURES) };
+    columns.into_iter().take(count)
 }

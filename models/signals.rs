@@ -3,11 +3,13 @@
 use calib_core::Real;
 use nalgebra::Vector3;
 
+use crate::OpenBlocks;
+
 /// The true motion and environment at one instant, as the error models see it.
 ///
 /// All vectors have components along the body axes right, forward, up; accelerometer i and gyro i stand on
 /// axis i. "Error" of a sensor is measured minus true.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Signals<T: Real> {
     /// Angular rate of the body against inertial space, rad/s.
     pub rate: Vector3<T>,
@@ -15,6 +17,8 @@ pub struct Signals<T: Real> {
     pub angular_acceleration: Vector3<T>,
     /// Specific force at the IMU's sensitive centre, m/s^2.
     pub force: Vector3<T>,
+    /// Its time derivative as the body sees it, f_b', m/s^3: `-omega x f` where the specific force in n is constant.
+    pub force_rate: Vector3<T>,
     /// Temperature at each accelerometer minus the reference temperature, K.
     pub temperature: Vector3<T>,
     /// Its time derivative, K/s.
@@ -28,6 +32,27 @@ pub struct Signals<T: Real> {
     pub coupled_dither: Vector3<T>,
     /// Time since the first sample, s.
     pub time: T,
+    /// The blocks that joined the filter at run time.
+    pub open: OpenBlocks,
+}
+
+impl<T: Real> Signals<T> {
+    /// The same signals with every number converted.
+    pub fn map<U: Real>(&self, of: impl Fn(T) -> U + Copy) -> Signals<U> {
+        Signals {
+            rate: self.rate.map(of),
+            angular_acceleration: self.angular_acceleration.map(of),
+            force: self.force.map(of),
+            force_rate: self.force_rate.map(of),
+            temperature: self.temperature.map(of),
+            temperature_rate: self.temperature_rate.map(of),
+            gyro_temperature: self.gyro_temperature.map(of),
+            dither: self.dither.map(of),
+            coupled_dither: self.coupled_dither.map(of),
+            time: of(self.time),
+            open: self.open,
+        }
+    }
 }
 
 /// Where the strapdown error model is linearised: navigation solution, inputs and lever arm.
@@ -53,8 +78,30 @@ pub struct Point<T: Real> {
     pub lever: Vector3<T>,
     /// Velocity of the observed point over ground in n, m/s.
     pub point_velocity: Vector3<T>,
-    /// Acceleration of the observed point over ground in n, m/s^2.
+    /// Acceleration of the observed point over ground in n, m/s^2; a calibration leaves out `omega' x l` and Coriolis acceleration.
     pub point_acceleration: Vector3<T>,
     /// Position of the observed point from the site origin in n, m.
     pub point_position: Vector3<T>,
+    /// The blocks that joined the filter at run time.
+    pub open: OpenBlocks,
+}
+
+impl<T: Real> Point<T> {
+    /// The same point with every number converted.
+    pub fn map<U: Real>(&self, of: impl Fn(T) -> U + Copy) -> Point<U> {
+        Point {
+            c_bn: self.c_bn.map(of),
+            velocity: self.velocity.map(of),
+            latitude: of(self.latitude),
+            height: of(self.height),
+            position: self.position.map(of),
+            force_n: self.force_n.map(of),
+            rate_eb: self.rate_eb.map(of),
+            lever: self.lever.map(of),
+            point_velocity: self.point_velocity.map(of),
+            point_acceleration: self.point_acceleration.map(of),
+            point_position: self.point_position.map(of),
+            open: self.open,
+        }
+    }
 }

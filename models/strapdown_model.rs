@@ -1,10 +1,9 @@
 //! The strapdown error model as a family of dynamics.
 
-use calib_core::{BlockSet, ChannelGroup, Dynamics, Need, Real};
+use calib_core::{Block, Dynamics, Fault, Need, Real, declares};
 use nalgebra::Vector3;
 
-use crate::blocks::set;
-use crate::{Point, Signals, tables};
+use crate::{Attitude, Dither, Point, Position, Signals, Velocity, tables};
 
 /// Navigation errors of a strapdown system: attitude, velocity and position, nine states.
 ///
@@ -12,8 +11,8 @@ use crate::{Point, Signals, tables};
 ///   `C_hat = (I - [phi x]) C`.
 /// - Inputs: errors of the three angular rates (0 to 2) and the three specific forces (3 to 5) in b, measured
 ///   minus true.
-/// - Channels: velocity and position of the observed point and attitude, predicted minus reference;
-///   `C_pred = (I - [z_a x]) C_ref`.
+/// - Channels: velocity (0 to 2) and position (3 to 5) of the observed point, attitude (6 to 8), and rate of the body
+///   against the Earth in b (9 to 11), predicted minus reference; `C_pred = (I - [z_a x]) C_ref`.
 /// - Source: Eq. 40-42 and 46-49 of doi:10.3390/s22010278.
 #[derive(Clone, Copy, Debug)]
 pub struct Strapdown;
@@ -23,27 +22,21 @@ pub const RATE: usize = 0;
 /// Sensor input of the specific force along x; y and z follow. What a block puts for accelerometers.
 pub const FORCE: usize = 3;
 
-const ENU: &[&str] = &["e", "n", "u"];
-
 impl Dynamics for Strapdown {
     const CORE: usize = 9;
     const INPUTS: usize = 6;
-    const CHANNELS: &'static [ChannelGroup] = &[
-        ChannelGroup { name: "velocity", first: 0, components: ENU, unit: "m/s" },
-        ChannelGroup { name: "position", first: 3, components: ENU, unit: "m" },
-        ChannelGroup { name: "attitude", first: 6, components: ENU, unit: "rad" },
-    ];
+    const CHANNELS: usize = 12;
     const NEEDS: &'static [Need] = &[
         Need {
-            any_of: set::ATTITUDE,
+            any_of: &[Attitude::NAME],
             message: "a strapdown filter begins with attitude errors: declare `attitude: Attitude` first",
         },
         Need {
-            any_of: set::VELOCITY,
+            any_of: &[Velocity::NAME],
             message: "a strapdown filter carries velocity errors: declare `velocity: Velocity` after `attitude`",
         },
         Need {
-            any_of: set::POSITION,
+            any_of: &[Position::NAME],
             message: "a strapdown filter carries position errors: declare `position: Position` after `velocity`",
         },
     ];
@@ -53,8 +46,8 @@ impl Dynamics for Strapdown {
 
     /// Without `Dither` in the declaration the inner lever arm knows nothing of the dither.
     #[inline(always)]
-    fn restrict<T: Real>(signals: &mut Signals<T>, blocks: BlockSet) {
-        if !blocks.contains(set::DITHER) {
+    fn restrict<F: Block<Dynamics = Self>, T: Real>(signals: &mut Signals<T>) {
+        if const { !declares::<F, Dither>() } {
             signals.coupled_dither = Vector3::zeros();
         }
     }
@@ -72,10 +65,20 @@ impl Dynamics for Strapdown {
     #[inline(always)]
     fn measurement_jacobian<T: Real>(at: &Point<T>, put: &mut impl FnMut(usize, usize, T)) {
         tables::strapdown_residual::measurement_jacobian(at, put);
+        tables::strapdown_rate::measurement_jacobian(at, put);
     }
 
     #[inline(always)]
     fn measure_input<T: Real>(at: &Point<T>, input: usize, value: T, put: &mut impl FnMut(usize, T)) {
         tables::strapdown_residual_input::measure_input(at, input, value, put);
     }
+}
+
+/// Looks at every block of a strapdown filter or group once: do its states, Jacobians and relaxations keep to what it says of
+/// itself? For whoever sets a filter up that others have declared; [`Calibration`](crate::Calibration) relies on it.
+///
+/// # Errors
+/// The first fault, with the name of the block.
+pub fn probe<F: Block<Dynamics = Strapdown>>() -> Result<(), Fault> {
+    calib_core::probe::<F>(&Point::default(), &Signals::default())
 }

@@ -2,28 +2,15 @@
 
 use calib_core::Real;
 
-use crate::{Point, Signals};
-
-/// What a generated Jacobian is of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// Errors of the gyros by the parameters of an effect.
-    Rate,
-    /// Errors of the accelerometers by the parameters of an effect.
-    Force,
-    /// Measurement residuals by the parameters of an effect.
-    Measurement,
-    /// A matrix of the strapdown error model itself.
-    Dynamics,
-}
+use crate::{Kind, Point, Signals};
 
 /// What a table says about itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffectTable {
     /// Name of the effect or model, for instance `gyro-scale`.
     pub name: &'static str,
-    /// What the Jacobian is of.
-    pub kind: Kind,
+    /// What the effect is an error of; `None` for a matrix of the strapdown error model itself.
+    pub kind: Option<Kind>,
     /// One line about it.
     pub description: &'static str,
     /// The model in plain text.

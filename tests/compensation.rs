@@ -20,6 +20,8 @@ fn left_over<F: Filter<Dynamics = Strapdown>>(scale: f64, seed: u64) -> f64 {
     });
     let mut truth = signals(3.0);
     truth.time = 0.0;
+    // what a first sample can know
+    truth.force_rate = truth.force.cross(&truth.rate);
     let (rate, force) = input_errors::<F, f64>(&truth, &parameters);
     let mut reading = sample(0.0, (truth.rate + rate) * DT, (truth.force + force) * DT);
     reading.temperature = truth.temperature.add_scalar(setup().reference_temperature);
@@ -42,6 +44,27 @@ fn compensation_undoes_the_error_model() {
         let error = left_over::<Mems30>(30.0, seed);
         assert!(error < 1e-5, "{error:e}");
     }
+}
+
+#[test]
+fn the_force_rate_is_that_of_turning_and_of_acceleration() {
+    let parameters = [0.0; Sins43P::DIM];
+    let mut compensator = Compensator::new(20.0);
+    let (mut worst, mut of_turning) = (0.0_f64, 0.0_f64);
+    for k in 0..1000 {
+        let middle = (f64::from(k) + 0.5) * DT;
+        let truth = signals(middle);
+        let reading = sample(middle + 0.5 * DT, truth.rate * DT, truth.force * DT);
+        compensator.read(&reading);
+        let (_, found) = compensator.compensate::<Sins43P>(&reading, DT, &parameters);
+        if k > 10 {
+            worst = worst.max((found.force_rate - truth.force_rate).norm());
+            of_turning = of_turning.max((truth.force.cross(&truth.rate) - truth.force_rate).norm());
+        }
+    }
+    // late by 15 ms, and the change in n itself changes by up to 5 m/s^4
+    assert!(worst < 0.09, "{worst}");
+    assert!(of_turning > 3.0, "turning alone would be {of_turning} m/s^3 off");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use rig::{Scenario, Simulation};
-use sinscal::{Calibration, Conventional, Diverged, Filter, Form, Sample, Sins43B, Ud};
+use sinscal::{Block, Calibration, Conventional, Diverged, Form, Sample, Sins43B, Ud};
 
 /// When a sound log is spoiled, s.
 const SPOILED: f64 = 31.5;
@@ -18,7 +18,8 @@ fn log() -> (Simulation, Vec<Sample>) {
 fn run<C: Form>(spoil: fn(&mut Sample)) -> Result<(), Diverged> {
     let (simulation, mut log) = log();
     log.iter_mut().filter(|sample| sample.time >= SPOILED).for_each(spoil);
-    let mut calibration = Calibration::<Sins43B, C>::new(&simulation.description().setup(&[]));
+    let mut calibration =
+        Calibration::<Sins43B, C>::new(&simulation.description().setup(&[])).expect("a sound setup");
     let end = log.last().expect("samples").time;
     assert!(end > SPOILED + 2.0 && Sins43B::NAME == "43d-b");
     log.iter().try_for_each(|sample| calibration.step(sample).map(drop))

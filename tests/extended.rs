@@ -4,14 +4,13 @@ mod common;
 
 use calib_core::Extended;
 use common::{Numbers, sample, setup, signals};
-use hybrid_array::typenum::U3;
 use sinscal::{
     AccelTemperatureScale, Calibration, Conventional, Filter, Form, Sins40P, Sins43P, Strapdown, Ud,
 };
 
 fn parameters<F: Filter<Dynamics = Strapdown>, C: Form>() -> Vec<(String, u64, u64)> {
     let mut numbers = Numbers(5);
-    let mut run = Calibration::<F, C>::new(&setup());
+    let mut run = Calibration::<F, C>::new(&setup()).expect("a sound setup");
     for k in 0..1000 {
         let time = f64::from(k) * 0.01;
         let now = signals(time);
@@ -30,7 +29,7 @@ fn parameters<F: Filter<Dynamics = Strapdown>, C: Form>() -> Vec<(String, u64, u
 
 #[test]
 fn a_grown_filter_equals_the_declared_one() {
-    type Grown = Extended<Sins40P, AccelTemperatureScale, U3>;
+    type Grown = Extended<Sins40P, AccelTemperatureScale>;
     let (grown, declared) = (parameters::<Grown, Conventional>(), parameters::<Sins43P, Conventional>());
     assert_eq!(grown.len(), 34);
     assert_eq!(grown, declared);

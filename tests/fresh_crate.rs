@@ -39,7 +39,7 @@ struct Mine {
     dither: Dither,
 }
 fn pass(setup: &Setup, samples: &[Sample]) -> f64 {
-    let mut run = Box::new(Calibration::<Mine>::new(setup));
+    let mut run = Box::new(Calibration::<Mine>::new(setup).expect("a sound setup"));
     let whole = samples.iter().all(|sample| run.step(sample).is_ok());
     if whole { run.statistics().nis } else { f64::NAN }
 }

@@ -8,7 +8,7 @@ fn a_right_filter_has_white_innovations_of_the_size_it_says() -> Result<(), Box<
     let scenario = Scenario::default().with_rate(10.0)?.modelled_by::<Sins43B>();
     let simulation = Simulation::new(&scenario, 1)?;
     let description = simulation.description().clone();
-    let mut run = Box::new(Calibration::<Sins43B>::new(&description.setup(&[])));
+    let mut run = Box::new(Calibration::<Sins43B>::new(&description.setup(&[])).expect("a sound setup"));
     let mut innovations = Innovations::default();
     let mut first_pass = Innovations::default();
     let samples: Vec<_> = simulation.collect();
@@ -57,7 +57,8 @@ fn a_wrong_filter_does_not() -> Result<(), Box<dyn std::error::Error>> {
     let scenario = Scenario::default().with_rate(10.0)?;
     let simulation = Simulation::new(&scenario, 1)?;
     let description = simulation.description().clone();
-    let mut run = Box::new(Calibration::<sinscal::Sins36P>::new(&description.setup(&[])));
+    let mut run =
+        Box::new(Calibration::<sinscal::Sins36P>::new(&description.setup(&[])).expect("a sound setup"));
     let mut innovations = Some(Innovations::default());
     for sample in simulation {
         run.step_observed(&sample, &mut innovations)?;

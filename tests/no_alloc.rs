@@ -17,7 +17,7 @@ fn calibrates_without_allocation<C: Form>() {
     let mut setup = setup();
     setup.reference.velocity = 1e6;
     setup.reference.position = 1e6;
-    let mut run = Calibration::<Sins43B, C>::new(&setup);
+    let mut run = Calibration::<Sins43B, C>::new(&setup).expect("a sound setup");
     assert_no_alloc(|| {
         for pass in 0..2 {
             for k in 0..500 {

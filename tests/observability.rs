@@ -4,7 +4,6 @@ mod common;
 
 use calib_core::Extended;
 use common::{sample, setup};
-use hybrid_array::typenum::U3;
 use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 use sinscal::observability::{
     EXCITED, Information, Observability, Segment, Segmenter, TOLERANCE, basis, prior,
@@ -182,7 +181,7 @@ fn rotations_about_the_vertical_leave_the_rest_unknown() {
 
 #[test]
 fn dither_of_constant_amplitude_is_a_bias() {
-    type Asked = Extended<Sins43P, DitherSizeEffect, U3>;
+    type Asked = Extended<Sins43P, DitherSizeEffect>;
     let setup = start(b"NED");
     let still = segments(&setup, &path(&setup, &EIGHTEEN_ROTATIONS, constant));
     let lost_names = lost::<Asked>(&setup, &still);
@@ -205,7 +204,7 @@ fn the_triangle_has_the_rank_of_the_dense_matrix() {
     let quarter = Turn { axis: 2, angle: std::f64::consts::FRAC_PI_2 };
     let segments = segments(&setup, &path(&setup, &[quarter; 5], varying));
     let mut rows: Vec<Vec<f64>> = Vec::new();
-    let prior = prior(&Calibration::<Sins43B, Conventional>::new(&setup));
+    let prior = prior(&Calibration::<Sins43B, Conventional>::new(&setup).expect("a sound setup"));
     for segment in &segments {
         let mut powers = calib_core::ObservabilityRows::<Sins43B, f64>::new(
             &segment.point,
@@ -240,7 +239,7 @@ fn the_triangle_has_the_rank_of_the_dense_matrix() {
 fn information_bounds_what_the_filter_reaches() {
     let setup = start(b"NED");
     let samples = path(&setup, &EIGHTEEN_ROTATIONS[..6], varying);
-    let mut run = Box::new(Calibration::<Sins43B, Conventional>::new(&setup));
+    let mut run = Box::new(Calibration::<Sins43B, Conventional>::new(&setup).expect("a sound setup"));
     let before = prior(&run);
     let mut information = Box::new(Information::new(&run));
     for sample in &samples {

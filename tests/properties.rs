@@ -95,12 +95,12 @@ impl<F: Filter<Dynamics = Strapdown>> Case<F> {
         density
     }
 
-    /// Residuals of all channels, of sigmas over four orders of magnitude.
+    /// Residuals of all rows, of sigmas over four orders of magnitude.
     fn residuals(&mut self) -> Residuals<F, f64> {
         let mut residuals = Residuals::default();
-        for channel in 0..9 {
+        for row in 0..F::Shape::ROWS {
             let sigma = 10_f64.powf(-3.0 + 2.0 * self.numbers.next());
-            residuals.set(channel, self.numbers.next() * sigma, sigma);
+            residuals.set(row, self.numbers.next() * sigma, sigma);
         }
         residuals
     }
@@ -268,10 +268,8 @@ impl Property for OrderDoesNotMatter {
             prop_assert!(twice.update(&at, &now, residuals.clone(), None).is_ok());
         }
         let mut halved = Residuals::default();
-        for channel in 0..9 {
-            if let Some(row) = F::row(channel) {
-                halved.set(channel, residuals.values()[row], (0.5 * residuals.variances()[row]).sqrt());
-            }
+        for row in 0..F::Shape::ROWS {
+            halved.set(row, residuals.values()[row], (0.5 * residuals.variances()[row]).sqrt());
         }
         let mut once = start.clone();
         prop_assert!(once.update(&at, &now, halved, None).is_ok());
@@ -297,7 +295,7 @@ impl Property for UnseenStays {
         let sigmas = case.priors();
         let mut kalman = Kalman::<F, f64, Conventional>::new(&sigmas);
         let mut relaxing = Vec::new();
-        F::relaxation(&mut |state, _: calib_core::Relaxation<f64>| relaxing.push(state));
+        calib_core::relaxations::<F, f64>(|state, _| relaxing.push(state));
         for _ in 0..draw.cycles {
             case.predict(&mut [&mut kalman]);
             // no channel is measured

@@ -1,7 +1,9 @@
 //! A filter in `f32`, from its Jacobians to its covariance, for days: what an embedded user may expect of it.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use sinscal::{Conventional, Form, Kalman, Point, Real, Residuals, Signals, Sins43B, Transition, Ud, earth};
+use sinscal::{
+    Conventional, Form, Kalman, OpenBlocks, Point, Real, Residuals, Signals, Sins43B, Transition, Ud, earth,
+};
 
 type F = Sins43B;
 
@@ -41,10 +43,12 @@ fn instant<T: Real>(t: f64) -> (Point<T>, Signals<T>) {
         point_velocity: of(c_bn * rate_eb.cross(&lever)),
         point_acceleration: of(c_bn * rate_eb.cross(&rate_eb.cross(&lever))),
         point_position: of(c_bn * lever),
+        open: OpenBlocks::NONE,
     };
     let signals = Signals {
         rate: of(rate_eb + c_bn.transpose() * earth::rotation_n(latitude)),
         angular_acceleration: Vector3::zeros(),
+        force_rate: Vector3::zeros(),
         force: of(c_bn.transpose() * gravity),
         temperature: of(Vector3::new(warm, warm + 2.0, warm - 1.0)),
         temperature_rate: Vector3::zeros(),
@@ -52,6 +56,7 @@ fn instant<T: Real>(t: f64) -> (Point<T>, Signals<T>) {
         dither: of(Vector3::repeat(3e-3)),
         coupled_dither: of(Vector3::repeat(3e-3)),
         time: T::of(t),
+        open: OpenBlocks::NONE,
     };
     (point, signals)
 }
@@ -84,8 +89,8 @@ impl<T: Real, C: Form> Run<T, C> {
         self.transition.reset();
         let (at, signals) = instant::<T>(f64::from(second + 1));
         let mut residuals = Residuals::<F, T>::default();
-        for channel in 0..6 {
-            residuals.set(channel, T::zero(), T::of(if channel < 3 { 1e-3 } else { 2e-3 }));
+        for row in 0..6 {
+            residuals.set(row, T::zero(), T::of(if row < 3 { 1e-3 } else { 2e-3 }));
         }
         self.kalman.update(&at, &signals, residuals, None).is_ok()
     }

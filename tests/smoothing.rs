@@ -58,7 +58,7 @@ type Both = (Textbook, Smoother<F>);
 
 fn run(pass_two: bool) -> (Both, Vec<DMatrix<f64>>, Matrix<F, f64>) {
     let setup = setup();
-    let mut calibration = Calibration::<F, Conventional>::new(&setup);
+    let mut calibration = Calibration::<F, Conventional>::new(&setup).expect("a sound setup");
     let mut filtered = Vec::new();
     let mut both = Both::default();
     for pass in 0..=usize::from(pass_two) {
@@ -159,7 +159,7 @@ fn smoothed_errors_are_those_that_the_covariance_says() {
     for unit in 1..=units {
         let simulation = rig::Simulation::new(&scenario, unit).expect("a unit");
         let setup = simulation.description().setup(&[]);
-        let mut calibration = Calibration::<F>::new(&setup);
+        let mut calibration = Calibration::<F>::new(&setup).expect("a sound setup");
         let mut smoother: Smoother<F> = Smoother::default();
         let mut filtered = Vec::new();
         for pass in 0..2 {

@@ -84,6 +84,7 @@ fn worst_error(samples: usize) -> f64 {
             point_velocity: state.velocity,
             point_acceleration: Vector3::zeros(),
             point_position: Vector3::zeros(),
+            ..Point::default()
         };
         transition.absorb(&at, &s, dt);
         if (k + 1) % samples == 0 {

@@ -1,6 +1,6 @@
 //! A cycle with nalgebra's matrices: the baselines of all ratios.
 
-use nalgebra::{DMatrix, SMatrix};
+use nalgebra::SMatrix;
 
 type M<const N: usize> = SMatrix<f64, N, N>;
 
@@ -52,32 +52,5 @@ impl<const N: usize> Dense<N> {
         let pht = *p * self.h.transpose();
         let k = pht * (self.h * pht + self.r).try_inverse().expect("positive definite");
         *p -= k * pht.transpose();
-    }
-}
-
-/// The same on the heap.
-pub(crate) struct Dynamic {
-    f: DMatrix<f64>,
-    q: DMatrix<f64>,
-    h: DMatrix<f64>,
-    r: DMatrix<f64>,
-}
-
-impl Dynamic {
-    pub(crate) fn new<const N: usize>(dense: &Dense<N>) -> Self {
-        Self {
-            f: DMatrix::from_fn(N, N, |i, j| dense.f[(i, j)]),
-            q: DMatrix::from_fn(N, N, |i, j| dense.q[(i, j)]),
-            h: DMatrix::from_fn(6, N, |i, j| dense.h[(i, j)]),
-            r: DMatrix::from_fn(6, 6, |i, j| dense.r[(i, j)]),
-        }
-    }
-
-    /// (I - K H) P.
-    pub(crate) fn cycle(&self, p: &mut DMatrix<f64>) {
-        *p = &self.f * &*p * self.f.transpose() + &self.q;
-        let pht = &*p * self.h.transpose();
-        let k = &pht * (&self.h * &pht + &self.r).try_inverse().expect("positive definite");
-        *p = (DMatrix::identity(p.nrows(), p.ncols()) - k * &self.h) * &*p;
     }
 }

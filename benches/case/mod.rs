@@ -31,6 +31,7 @@ pub(crate) fn signals() -> Signals<f64> {
         dither: Vector3::repeat(3e-3),
         coupled_dither: Vector3::repeat(3e-3),
         time: 100.0,
+        ..Signals::default()
     }
 }
 
@@ -49,6 +50,7 @@ pub(crate) fn point() -> Point<f64> {
         point_velocity: Vector3::zeros(),
         point_acceleration: Vector3::zeros(),
         point_position: Vector3::zeros(),
+        ..Point::default()
     }
 }
 

@@ -19,22 +19,14 @@ pub(crate) struct Navigation {
 
 impl Navigation {
     pub(crate) fn new() -> Self {
-        let setup = Setup {
-            rate: RATE,
-            site: Site { latitude: 0.56, longitude: 2.07, height: 20.0 },
-            initial: InitialAttitude {
-                attitude: UnitQuaternion::identity(),
-                level_sigma: 5e-4,
-                heading_sigma: 2e-3,
-            },
-            reference: ReferenceSigma { velocity: 1e-3, position: 2e-3, attitude: 1e-4 },
-            update_rate: 1.0,
-            noise: SensorNoise { angle_random_walk: 3e-7, velocity_random_walk: 5e-5 },
-            reference_temperature: 25.0,
-            outer_lever: Vector3::zeros(),
-            priors: &[],
-        };
-        let mut run = Box::new(Calibration::new(&setup));
+        let setup = Setup::new(
+            RATE,
+            Site { latitude: 0.56, longitude: 2.07, height: 20.0 },
+            InitialAttitude { attitude: UnitQuaternion::identity(), level_sigma: 5e-4, heading_sigma: 2e-3 },
+            ReferenceSigma { velocity: 1e-3, position: 2e-3, attitude: 1e-4 },
+            SensorNoise { angle_random_walk: 3e-7, velocity_random_walk: 5e-5 },
+        );
+        let mut run = Box::new(Calibration::new(&setup).expect("a sound setup"));
         // errors as large as those of a unit, so that compensation has something to do
         let mut parameters = [0.0; Sins43B::DIM];
         parameters[9..].fill(1e-5);

@@ -1,6 +1,7 @@
 //! State blocks: named groups of states, and what a declaration must know about them.
 
-use crate::{Dynamics, Real};
+use crate::declare::Part;
+use crate::{BlockVisitor, Dynamics, Real};
 
 /// What people call one state, and what it is worth before any measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,44 +20,11 @@ pub struct StateInfo {
     pub sheet_scale: f64,
 }
 
-/// A set of blocks known to a family of dynamics, as bits.
-///
-/// Declarations are checked with it at compile time: which blocks are there, which are missing, which
-/// stand there twice. Each family of dynamics numbers its blocks; a block that nobody asks for needs no number. For
-/// strapdown systems 31 to 63 are free for blocks of other crates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BlockSet(u64);
-
-impl BlockSet {
-    /// No block.
-    pub const EMPTY: Self = Self(0);
-
-    /// The set of the one block numbered `index` (below 64).
-    pub const fn only(index: u32) -> Self {
-        Self(1 << index)
-    }
-
-    /// Blocks in either set.
-    pub const fn union(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-
-    /// Whether the sets share a block.
-    pub const fn intersects(self, other: Self) -> bool {
-        self.0 & other.0 != 0
-    }
-
-    /// Whether every block of `other` is in this set.
-    pub const fn contains(self, other: Self) -> bool {
-        self.0 & other.0 == other.0
-    }
-}
-
-/// A rule of a block or of a family of dynamics: at least one block of a set must be declared.
+/// A rule of a block or of a family of dynamics: at least one block of some names must be declared.
 #[derive(Clone, Copy, Debug)]
 pub struct Need {
-    /// One of these must be in the declaration.
-    pub any_of: BlockSet,
+    /// [`Block::NAME`] of the blocks, one of which must be in the declaration.
+    pub any_of: &'static [&'static str],
     /// What the compiler says when none is.
     pub message: &'static str,
 }
@@ -83,24 +51,30 @@ pub struct Relaxation<T> {
     label = "no state block",
     note = "use a block of the prelude, derive `StateBlocks` for a group of blocks, or implement `Block`"
 )]
-pub trait Block: 'static {
+pub trait Block: Sized + 'static {
     /// The family of dynamics this block belongs to.
     type Dynamics: Dynamics;
 
     /// Named access to the states of this block within a filter.
     type View<'a, T: Real>: crate::View<'a, T>;
 
+    /// Name in reports, on the command line and in the rules of other blocks, for instance `gyro-scale`. No two blocks of
+    /// a declaration have the same.
+    const NAME: &'static str;
+
     /// Number of states; zero for a block that only switches a coupling on.
     const DIM: usize;
-
-    /// What the block provides, for the rules of other blocks.
-    const SET: BlockSet = BlockSet::EMPTY;
 
     /// What must be declared beside it.
     const NEEDS: &'static [Need] = &[];
 
-    /// Whether some state of the block has a [`relaxation`](Self::relaxation).
-    const RELAXES: bool = false;
+    /// The states that are not constant, each with how it forgets; for those of a declaration see
+    /// [`relaxations`](crate::relaxations).
+    const RELAXATIONS: &'static [(usize, Relaxation<f64>)] = &[];
+
+    /// The blocks it is made of; none for a block that is written by hand. Written by `#[derive(StateBlocks)]`.
+    #[doc(hidden)]
+    const PARTS: &'static [Part] = &[];
 
     /// Describes the states in order.
     fn states(visit: &mut dyn FnMut(StateInfo));
@@ -123,9 +97,10 @@ pub trait Block: 'static {
         let _ = (at, put);
     }
 
-    /// States that are not constant: `put(state, relaxation)`.
+    /// Visits the blocks that it is made of, itself when it is written by hand, each with its first state, counted from
+    /// `first`. Written by `#[derive(StateBlocks)]`.
     #[inline(always)]
-    fn relaxation<T: Real>(put: &mut impl FnMut(usize, Relaxation<T>)) {
-        let _ = put;
+    fn blocks(first: usize, visitor: &mut impl BlockVisitor<Self::Dynamics>) {
+        visitor.visit::<Self>(first);
     }
 }

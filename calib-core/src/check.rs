@@ -1,4 +1,9 @@
-//! Checks of Jacobians, for the tests of whoever writes a block: numerical differences, dual numbers, comparison.
+//! For the tests and benchmarks of whoever writes a block or declares a filter.
+//!
+//! - [`block`] and [`filter`]: what can be checked without knowing what is modelled.
+//! - [`inputs`] and [`channels`]: the Jacobians of a block against a nonlinear model.
+//! - [`bench`]: one cycle of a filter, timed against dense matrices once the covariances are equal.
+//! - What these are made of: numerical differences, dual numbers, comparison.
 //!
 //! ```
 //! use calib_core::Real;
@@ -18,7 +23,13 @@
 //! # Ok::<(), calib_core::check::Mismatch>(())
 //! ```
 
+mod blocks;
+mod cycle;
+
 use num_dual::Dual64;
+
+pub use blocks::{Faults, Report, block, channels, filter, inputs};
+pub use cycle::bench;
 
 use crate::Real;
 

@@ -5,22 +5,30 @@
 
 use core::marker::PhantomData;
 
-use crate::{Block, BlockSet, ChannelGroup, Dynamics, Filter, Need, Real, Relaxation, StateInfo};
+use crate::measurement::first_row;
+use crate::{
+    Block, BlockVisitor, Dynamics, Filter, Measurement, MeasurementInfo, Need, Real, Relaxation, StateInfo,
+};
 
 mod rules;
 mod text;
 
-pub use rules::{filter, filter_field, group_field, measurement};
-pub use text::Text;
+pub use rules::{belongs, filter, filter_field, group_field, measurement};
+use text::equal;
+pub use text::{Text, distance};
 
-/// A field of a declaration, as the rules see it.
+/// A block as the rules see it, within a declaration: what it is, and the parts that it is made of.
 #[derive(Clone, Copy)]
 pub struct Part {
+    /// Name of the field, empty outside of a declaration.
     name: &'static str,
+    /// Name of the block.
+    block: &'static str,
     dim: usize,
-    set: BlockSet,
     needs: &'static [Need],
-    relaxes: bool,
+    relaxations: &'static [(usize, Relaxation<f64>)],
+    /// None for a block that is written by hand.
+    parts: &'static [Part],
     known: bool,
     repeated: bool,
     role: Role,
@@ -35,14 +43,28 @@ enum Role {
 impl Part {
     const UNKNOWN: Self = Self {
         name: "",
+        block: "",
         dim: 0,
-        set: BlockSet::EMPTY,
         needs: &[],
-        relaxes: false,
+        relaxations: &[],
+        parts: &[],
         known: false,
         repeated: false,
         role: Role::Block,
     };
+
+    /// What the rules must know of `B`.
+    pub const fn of<B: Block>() -> Self {
+        Self {
+            block: B::NAME,
+            dim: B::DIM,
+            needs: B::NEEDS,
+            relaxations: B::RELAXATIONS,
+            parts: B::PARTS,
+            known: true,
+            ..Self::UNKNOWN
+        }
+    }
 
     /// The part as the field `name`.
     pub const fn named(mut self, name: &'static str) -> Self {
@@ -51,7 +73,7 @@ impl Part {
     }
 
     /// The part as a base, which must have been a filter and have had `measures`.
-    pub const fn base(mut self, measures: Option<&'static [usize]>) -> Self {
+    pub const fn base(mut self, measures: Option<&'static [MeasurementInfo]>) -> Self {
         self.role = Role::Base { declared: measures.is_some() };
         self
     }
@@ -62,6 +84,23 @@ impl Part {
         self
     }
 
+    /// Whether the block called `name` is in it.
+    pub(crate) const fn has(&self, name: &str) -> bool {
+        if self.parts.is_empty() { self.known && equal(self.block, name) } else { has(self.parts, name) }
+    }
+
+    /// Whether some state of it forgets.
+    pub(crate) const fn relaxes(&self) -> bool {
+        let mut i = 0;
+        while i < self.parts.len() {
+            if self.parts[i].relaxes() {
+                return true;
+            }
+            i += 1;
+        }
+        !self.relaxations.is_empty()
+    }
+
     const fn is_base(&self) -> bool {
         matches!(self.role, Role::Base { .. })
     }
@@ -70,22 +109,13 @@ impl Part {
 /// The block `B` as a field of a declaration with dynamics `D`.
 ///
 /// Where `B` is a block of these dynamics the items are inherent; where it is not they come from [`Misfit`] and do
-/// nothing. So the one line that demands a block of the right dynamics, [`Same::SAME`], is the only one to fail,
+/// nothing. So the one line that demands a block of the right dynamics, [`belongs`], is the only one to fail,
 /// and the rules still judge the other fields.
 pub struct Field<B, D>(PhantomData<(B, D)>);
 
 impl<B: Block<Dynamics = D>, D: Dynamics> Field<B, D> {
     /// What the rules must know of `B`.
-    pub const PART: Part = Part {
-        name: "",
-        dim: B::DIM,
-        set: B::SET,
-        needs: B::NEEDS,
-        relaxes: B::RELAXES,
-        known: true,
-        repeated: false,
-        role: Role::Block,
-    };
+    pub const PART: Part = Part::of::<B>();
 
     /// [`Block::states`].
     pub fn states(visit: &mut dyn FnMut(StateInfo)) {
@@ -112,10 +142,10 @@ impl<B: Block<Dynamics = D>, D: Dynamics> Field<B, D> {
         B::measurement_jacobian(at, &mut |channel, state, value| put(channel, offset + state, value));
     }
 
-    /// [`Block::relaxation`], with states counted from `offset`.
+    /// [`Block::blocks`].
     #[inline(always)]
-    pub fn relaxation<T: Real>(offset: usize, put: &mut impl FnMut(usize, Relaxation<T>)) {
-        B::relaxation(&mut |state, relaxation| put(offset + state, relaxation));
+    pub fn blocks(first: usize, visitor: &mut impl BlockVisitor<D>) {
+        B::blocks(first, visitor);
     }
 }
 
@@ -139,42 +169,149 @@ pub trait Misfit {
         let _ = (offset, at, put);
     }
 
-    /// Constant.
-    fn relaxation<T: Real>(offset: usize, put: &mut impl FnMut(usize, Relaxation<T>)) {
-        let _ = (offset, put);
+    /// None.
+    fn blocks(first: usize, visitor: &mut impl Sized) {
+        let _ = (first, visitor);
     }
 }
 
 impl<B, D> Misfit for Field<B, D> {}
+
+/// The measurement `M` of a declaration with dynamics `D`; where it is none of these dynamics, [`Unmeasured`].
+pub struct Measured<M, D>(PhantomData<(M, D)>);
+
+impl<M: Measurement<Dynamics = D>, D: Dynamics> Measured<M, D> {
+    /// [`Measurement::INFO`].
+    pub const INFO: MeasurementInfo = M::INFO;
+
+    /// [`Measurement::residual`].
+    #[inline]
+    pub fn residual<T: Real>(at: &D::Point<T>, reading: &[T], put: &mut impl FnMut(usize, T)) {
+        M::residual(at, reading, put);
+    }
+
+    /// [`Measurement::jacobian`], with the rows of `measures` at place `measured`.
+    #[inline(always)]
+    pub fn jacobian<T: Real>(
+        measures: &[MeasurementInfo],
+        measured: usize,
+        at: &D::Point<T>,
+        put: &mut impl FnMut(usize, usize, T),
+    ) {
+        let first = first_row(measures, measured);
+        M::jacobian(at, &mut |row, channel, value| put(first + row, channel, value));
+    }
+}
+
+/// A [`Measured`] that is no measurement of the dynamics.
+pub trait Unmeasured {
+    /// No rows.
+    const INFO: MeasurementInfo =
+        MeasurementInfo { name: "", components: &[], unit: "", columns: &[], sigma: 0.0, channels: Some(0) };
+
+    /// No residuals.
+    fn residual<T: Real>(at: &impl Sized, reading: &[T], put: &mut impl FnMut(usize, T)) {
+        let _ = (at, reading, put);
+    }
+
+    /// No rows.
+    fn jacobian<T: Real>(
+        measures: &[MeasurementInfo],
+        measured: usize,
+        at: &impl Sized,
+        put: &mut impl FnMut(usize, usize, T),
+    ) {
+        let _ = (measures, measured, at, put);
+    }
+}
+
+impl<M, D> Unmeasured for Measured<M, D> {}
 
 /// The type of a base, which is a filter or else [`Baseless`].
 pub struct Base<B>(PhantomData<B>);
 
 impl<B: Filter> Base<B> {
     /// The measurements of the filter `B`.
-    pub const MEASURES: Option<&'static [usize]> = Some(B::MEASURES);
+    pub const MEASURES: Option<&'static [MeasurementInfo]> = Some(B::MEASURES);
+
+    /// [`Filter::residual`].
+    #[inline]
+    pub fn residual<T: Real>(
+        measured: usize,
+        at: &<B::Dynamics as Dynamics>::Point<T>,
+        reading: &[T],
+        put: &mut impl FnMut(usize, T),
+    ) {
+        B::residual(measured, at, reading, put);
+    }
+
+    /// [`Filter::residual_jacobian`].
+    #[inline(always)]
+    pub fn residual_jacobian<T: Real>(
+        at: &<B::Dynamics as Dynamics>::Point<T>,
+        put: &mut impl FnMut(usize, usize, T),
+    ) {
+        B::residual_jacobian(at, put);
+    }
 }
 
 /// A [`Base`] that is no filter.
 pub trait Baseless {
     /// It measures nothing.
-    const MEASURES: Option<&'static [usize]> = None;
+    const MEASURES: Option<&'static [MeasurementInfo]> = None;
+
+    /// No residuals.
+    fn residual<T: Real>(measured: usize, at: &impl Sized, reading: &[T], put: &mut impl FnMut(usize, T)) {
+        let _ = (measured, at, reading, put);
+    }
+
+    /// No rows.
+    fn residual_jacobian<T: Real>(at: &impl Sized, put: &mut impl FnMut(usize, usize, T)) {
+        let _ = (at, put);
+    }
 }
 
 impl<B> Baseless for Base<B> {}
 
-/// The dynamics of a field are those of the declaration.
-#[diagnostic::on_unimplemented(
-    message = "a block of other dynamics: it belongs to `{Self}`, the declaration to `{D}`",
-    label = "its dynamics are `{Self}`",
-    note = "`#[filter(dynamics = ...)]` or `#[group(dynamics = ...)]` names the dynamics of a declaration"
-)]
-pub trait Same<D> {
-    /// Exists.
-    const SAME: () = ();
+/// The dynamics of a declaration, which are dynamics or else [`Unrelated`].
+pub struct Family<D>(PhantomData<D>);
+
+impl<D: Dynamics> Family<D> {
+    /// They are dynamics.
+    pub const KNOWN: bool = true;
+    /// [`Dynamics::CORE`].
+    pub const CORE: usize = D::CORE;
+    /// [`Dynamics::NEEDS`].
+    pub const NEEDS: &'static [Need] = D::NEEDS;
 }
 
-impl<D> Same<D> for D {}
+/// A [`Family`] that is none: the one line that demands dynamics is the only one to fail.
+pub trait Unrelated {
+    /// They are none.
+    const KNOWN: bool = false;
+    /// No states.
+    const CORE: usize = 0;
+    /// No rules.
+    const NEEDS: &'static [Need] = &[];
+}
+
+impl<D> Unrelated for Family<D> {}
+
+/// The dynamics of a field beside those of the declaration: the same or else [`Other`].
+pub struct Fit<A, B>(PhantomData<(A, B)>);
+
+impl<D> Fit<D, D> {
+    /// They are the same.
+    pub const SAME: bool = true;
+}
+
+/// A [`Fit`] of two.
+pub trait Other {
+    /// They are not.
+    const SAME: bool = false;
+}
+
+impl<A, B> Other for Fit<A, B> {}
 
 /// Where each part begins.
 pub const fn offsets<const N: usize>(parts: &[Part; N]) -> [usize; N] {
@@ -212,27 +349,43 @@ pub const fn dim(parts: &[Part]) -> usize {
     sum
 }
 
-/// Blocks of all parts.
-pub const fn set(parts: &[Part]) -> BlockSet {
-    let mut set = BlockSet::EMPTY;
-    let mut i = 0;
-    while i < parts.len() {
-        set = set.union(parts[i].set);
-        i += 1;
-    }
-    set
-}
+/// The number of states of a group as a type.
+pub type Size<const N: usize> = <[(); N] as hybrid_array::AssocArraySize>::Size;
 
-/// Whether some part forgets.
-pub const fn relaxes(parts: &[Part]) -> bool {
+/// Whether the block called `name` is in some part.
+const fn has(parts: &[Part], name: &str) -> bool {
     let mut i = 0;
     while i < parts.len() {
-        if parts[i].relaxes {
+        if parts[i].has(name) {
             return true;
         }
         i += 1;
     }
     false
+}
+
+/// Whether some part has what a rule asks for.
+const fn meets(parts: &[Part], need: &Need) -> bool {
+    let mut k = 0;
+    while k < need.any_of.len() {
+        if has(parts, need.any_of[k]) {
+            return true;
+        }
+        k += 1;
+    }
+    false
+}
+
+/// What the first of `needs` says that the parts do not meet; nothing when they meet all.
+pub(crate) const fn unmet(needs: &'static [Need], parts: &[Part]) -> &'static str {
+    let mut k = 0;
+    while k < needs.len() {
+        if !meets(parts, &needs[k]) {
+            return needs[k].message;
+        }
+        k += 1;
+    }
+    ""
 }
 
 /// How many rules the parts have together.
@@ -248,7 +401,7 @@ pub const fn count_needs(parts: &[Part]) -> usize {
 
 /// The rules of all parts: a group hands them on to the filter that declares it.
 pub const fn needs<const K: usize>(parts: &[Part]) -> [Need; K] {
-    let mut all = [Need { any_of: BlockSet::EMPTY, message: "" }; K];
+    let mut all = [Need { any_of: &[], message: "" }; K];
     let (mut i, mut k) = (0, 0);
     while i < parts.len() {
         let mut j = 0;
@@ -262,33 +415,13 @@ pub const fn needs<const K: usize>(parts: &[Part]) -> [Need; K] {
     all
 }
 
-/// Index of the measurement called `name`; 0 when there is none, which [`measurement`] reports.
-pub const fn channel(groups: &[ChannelGroup], name: &str) -> usize {
-    let mut k = 0;
-    while k < groups.len() {
-        if text::equal(groups[k].name, name) {
-            return k;
-        }
-        k += 1;
-    }
-    0
-}
-
 /// Rows of the measurement matrix.
-pub const fn rows(groups: &[ChannelGroup], measures: &[usize]) -> usize {
-    let mut rows = 0;
-    let mut k = 0;
-    while k < measures.len() {
-        if measures[k] < groups.len() {
-            rows += groups[measures[k]].components.len();
-        }
-        k += 1;
-    }
-    rows
+pub const fn rows(measures: &[MeasurementInfo]) -> usize {
+    first_row(measures, measures.len())
 }
 
 /// The measurements of a base, none when it is no filter, which [`filter_field`] reports.
-pub const fn inherited(measures: Option<&'static [usize]>) -> &'static [usize] {
+pub const fn inherited(measures: Option<&'static [MeasurementInfo]>) -> &'static [MeasurementInfo] {
     match measures {
         Some(measures) => measures,
         None => &[],

@@ -1,21 +1,8 @@
-//! Families of dynamics: how the leading states of a filter move and what is measured of them.
+//! Families of dynamics: how the leading states of a filter move and what is seen of them.
 
-use crate::{BlockSet, Need, Real};
+use crate::{Block, Need, Real};
 
-/// A vector measurement a declaration can ask for, for instance velocity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ChannelGroup {
-    /// Name used in `#[filter(measures(...))]` and in reports.
-    pub name: &'static str,
-    /// First channel of the group in the family's numbering.
-    pub first: usize,
-    /// Components, in channel order.
-    pub components: &'static [&'static str],
-    /// SI unit of the residual.
-    pub unit: &'static str,
-}
-
-/// How the leading states of a filter move, how sensor errors enter, and what can be measured.
+/// How the leading states of a filter move, how sensor errors enter, and what of it can be seen.
 ///
 /// The continuous error model is `x_c' = A x_c + B u`, `z = H x_c + L u + (direct effects)`, with `x_c` the
 /// [`CORE`](Self::CORE) leading states and `u` the errors of the [`INPUTS`](Self::INPUTS) sensor inputs
@@ -31,8 +18,8 @@ pub trait Dynamics: Sized + 'static {
     const CORE: usize;
     /// Number of sensor inputs.
     const INPUTS: usize;
-    /// Measurements that declarations can ask for.
-    const CHANNELS: &'static [ChannelGroup];
+    /// Number of channels: what [`Measurement`](crate::Measurement)s are made of.
+    const CHANNELS: usize;
     /// The blocks that every declaration of the family begins with, in the order of their states, with what to say
     /// otherwise.
     const NEEDS: &'static [Need];
@@ -42,10 +29,11 @@ pub trait Dynamics: Sized + 'static {
     /// Where the error model is linearised.
     type Point<T: Real>;
 
-    /// Removes from `signals` what a declaration made of `blocks` does not model. Does nothing by default.
+    /// Removes from `signals` what declaration `F` does not model, as [`declares`](crate::declares) tells. Does nothing by
+    /// default.
     #[inline(always)]
-    fn restrict<T: Real>(signals: &mut Self::Signals<T>, blocks: BlockSet) {
-        let _ = (signals, blocks);
+    fn restrict<F: Block<Dynamics = Self>, T: Real>(signals: &mut Self::Signals<T>) {
+        let _ = signals;
     }
 
     /// The matrix A: `put(row, column, value)`, both below [`CORE`](Self::CORE).
@@ -54,7 +42,7 @@ pub trait Dynamics: Sized + 'static {
     /// Column `input` of B times `value`: `put(row, value)`.
     fn inject<T: Real>(at: &Self::Point<T>, input: usize, value: T, put: &mut impl FnMut(usize, T));
 
-    /// Measurement residuals by leading states: `put(channel, column, value)`.
+    /// Channels by leading states: `put(channel, column, value)`.
     fn measurement_jacobian<T: Real>(at: &Self::Point<T>, put: &mut impl FnMut(usize, usize, T));
 
     /// Column `input` of L times `value`: `put(channel, value)`. No effect by default.

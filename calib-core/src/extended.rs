@@ -7,13 +7,61 @@ use core::fmt::Debug;
 use core::marker::PhantomData;
 use core::ops::Add;
 
-use hybrid_array::typenum::{Sum, Unsigned};
+use hybrid_array::typenum::Sum;
 use hybrid_array::{ArraySize, AssocArraySize};
 
+use crate::declare::{Part, unmet};
 use crate::{
-    Array, Block, BlockSet, Dim, Dynamics, Entries, Estimate, Filter, Need, Real, Relaxation, Shape,
+    Array, Block, BlockVisitor, Dim, Dynamics, Entries, Estimate, Filter, MeasurementInfo, Real, Shape,
     StateInfo, View,
 };
+
+/// A block whose number of states is a type too. `#[derive(StateBlocks)]` makes a group one; a block that is written by hand
+/// becomes one in a group of its own:
+///
+/// ```text
+/// #[derive(StateBlocks)]
+/// #[group]
+/// struct Mine {
+///     spin: Spin,
+/// }
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "the number of states of `{Self}` is no type",
+    label = "no group of blocks",
+    note = "put it into a group: `#[derive(StateBlocks)] #[group] struct Mine {{ own: {Self} }}`"
+)]
+pub trait Counted: Block {
+    /// Number of states, [`Block::DIM`].
+    type States: ArraySize;
+}
+
+/// A [`Shape`] whose sizes are types too: every [`Dim`] of up to 512 states, and [`Grown`].
+pub trait Sizes: Shape {
+    /// Number of states N.
+    type States: ArraySize;
+    /// Number of leading states C.
+    type Core: ArraySize;
+    /// Number of measurement rows M.
+    type Rows: ArraySize;
+}
+
+impl<const N: usize, const C: usize, const M: usize> Sizes for Dim<N, C, M>
+where
+    [(); N]: AssocArraySize<Size: ArraySize>,
+    [(); C]: AssocArraySize<Size: ArraySize>,
+    [(); M]: AssocArraySize<Size: ArraySize>,
+{
+    type States = <[(); N] as AssocArraySize>::Size;
+    type Core = <[(); C] as AssocArraySize>::Size;
+    type Rows = <[(); M] as AssocArraySize>::Size;
+}
+
+impl<N: ArraySize, C: ArraySize, M: ArraySize> Sizes for Grown<N, C, M> {
+    type States = N;
+    type Core = C;
+    type Rows = M;
+}
 
 /// Sizes given as types: `N` states of which the first `C` move, measured in `M` rows.
 #[derive(Debug)]
@@ -54,12 +102,15 @@ impl<T: Copy, N: ArraySize> Entries<T> for hybrid_array::Array<hybrid_array::Arr
     }
 }
 
-/// A filter of `F`'s states followed by those of block `B`, whose number of states is `K` (a `typenum` number).
+/// A filter of `F`'s states followed by those of block `B`.
 ///
 /// What `#[base]` does in a declaration, for code that is generic over the base. The block's needs are checked against
-/// the base when the filter is used.
+/// the base when the filter is used; unlike a declaration it may add a block that the base has already.
+///
+/// It is a filter for every declared `F`, for another extended one, and for every `B` that is [`Counted`]: a group, or an effect
+/// of the catalogue. Nobody counts states for it. Generic code asks for `Extended<F, B>: Filter<Dynamics = ...>`.
 #[derive(Debug)]
-pub struct Extended<F, B, K>(PhantomData<(F, B, K)>);
+pub struct Extended<F, B>(PhantomData<(F, B)>);
 
 /// Views of the base and of the added block.
 pub struct ExtendedView<'a, F: Block, B: Block, T: Real> {
@@ -75,29 +126,19 @@ impl<'a, F: Block, B: Block, T: Real> View<'a, T> for ExtendedView<'a, F, B, T> 
     }
 }
 
-impl<F, B, K> Block for Extended<F, B, K>
-where
-    F: Filter,
-    B: Block<Dynamics = F::Dynamics>,
-    K: Unsigned + 'static,
-{
+impl<F: Filter, B: Block<Dynamics = F::Dynamics>> Block for Extended<F, B> {
     type Dynamics = F::Dynamics;
     type View<'a, T: Real> = ExtendedView<'a, F, B, T>;
 
+    const NAME: &'static str = F::NAME;
     const DIM: usize = {
-        assert!(K::USIZE == B::DIM, "`K` of `Extended<F, B, K>` must be the number of states of `B`");
-        let needs: &[Need] = B::NEEDS;
-        let mut i = 0;
-        while i < needs.len() {
-            if !needs[i].any_of.intersects(F::SET.union(B::SET)) {
-                panic!("{}", needs[i].message);
-            }
-            i += 1;
+        let message = unmet(B::NEEDS, Self::PARTS);
+        if !message.is_empty() {
+            panic!("{}", message);
         }
         F::DIM + B::DIM
     };
-    const SET: BlockSet = F::SET.union(B::SET);
-    const RELAXES: bool = F::RELAXES || B::RELAXES;
+    const PARTS: &'static [Part] = &[Part::of::<F>(), Part::of::<B>()];
 
     fn states(visit: &mut dyn FnMut(StateInfo)) {
         F::states(visit);
@@ -123,30 +164,40 @@ where
     }
 
     #[inline(always)]
-    fn relaxation<T: Real>(put: &mut impl FnMut(usize, Relaxation<T>)) {
-        F::relaxation(put);
-        B::relaxation(&mut |state, relaxation| put(state + F::DIM, relaxation));
+    fn blocks(first: usize, visitor: &mut impl BlockVisitor<Self::Dynamics>) {
+        F::blocks(first, visitor);
+        B::blocks(first + F::DIM, visitor);
     }
 }
 
-impl<F, B, K, const N: usize, const C: usize, const M: usize> Filter for Extended<F, B, K>
+impl<F, B> Filter for Extended<F, B>
 where
-    F: Filter<Shape = Dim<N, C, M>>,
-    B: Block<Dynamics = F::Dynamics>,
-    K: Unsigned + 'static,
-    [(); N]: AssocArraySize,
-    [(); C]: AssocArraySize,
-    [(); M]: AssocArraySize,
-    <[(); C] as AssocArraySize>::Size: ArraySize,
-    <[(); M] as AssocArraySize>::Size: ArraySize,
-    <[(); N] as AssocArraySize>::Size: Add<K>,
-    Sum<<[(); N] as AssocArraySize>::Size, K>: ArraySize,
+    F: Filter<Shape: Sizes<States: Add<B::States>>>,
+    B: Counted<Dynamics = F::Dynamics>,
+    Sum<<F::Shape as Sizes>::States, B::States>: ArraySize,
 {
-    const NAME: &'static str = F::NAME;
     type Shape = Grown<
-        Sum<<[(); N] as AssocArraySize>::Size, K>,
-        <[(); C] as AssocArraySize>::Size,
-        <[(); M] as AssocArraySize>::Size,
+        Sum<<F::Shape as Sizes>::States, B::States>,
+        <F::Shape as Sizes>::Core,
+        <F::Shape as Sizes>::Rows,
     >;
-    const MEASURES: &'static [usize] = F::MEASURES;
+    const MEASURES: &'static [MeasurementInfo] = F::MEASURES;
+
+    #[inline]
+    fn residual<T: Real>(
+        measured: usize,
+        at: &<Self::Dynamics as Dynamics>::Point<T>,
+        reading: &[T],
+        put: &mut impl FnMut(usize, T),
+    ) {
+        F::residual(measured, at, reading, put);
+    }
+
+    #[inline(always)]
+    fn residual_jacobian<T: Real>(
+        at: &<Self::Dynamics as Dynamics>::Point<T>,
+        put: &mut impl FnMut(usize, usize, T),
+    ) {
+        F::residual_jacobian(at, put);
+    }
 }

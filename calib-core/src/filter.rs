@@ -3,7 +3,8 @@
 use core::fmt::Debug;
 use core::ops::IndexMut;
 
-use crate::{Block, Dynamics, Entries, Estimate, Real, View};
+use crate::measurement::first_row;
+use crate::{Block, Dynamics, Entries, Estimate, MeasurementInfo, Real, View};
 
 /// Sizes of a filter as types: the arrays it needs.
 ///
@@ -130,36 +131,40 @@ impl<const N: usize, const C: usize, const M: usize> Shape for Dim<N, C, M> {
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a declared filter",
     label = "no declared filter",
-    note = "a filter is a struct with `#[derive(StateBlocks)]` and `#[filter(measures(...))]`"
+    note = "a filter is a struct with `#[derive(StateBlocks)]` and `#[filter(measures(...))]`; one with `#[group]` is a part of filters"
 )]
 pub trait Filter: Block {
-    /// Name of the filter in reports and on the command line.
-    const NAME: &'static str;
     /// The sizes of the filter.
     type Shape: Shape;
-    /// The measurements, as indices into [`Dynamics::CHANNELS`], in the order of the rows.
-    const MEASURES: &'static [usize];
+    /// The measurements, in the order of their rows.
+    const MEASURES: &'static [MeasurementInfo];
+
+    /// [`Measurement::residual`](crate::Measurement::residual) of the measurement at place `measured` of
+    /// [`MEASURES`](Self::MEASURES), its rows counted from 0.
+    fn residual<T: Real>(
+        measured: usize,
+        at: &<Self::Dynamics as Dynamics>::Point<T>,
+        reading: &[T],
+        put: &mut impl FnMut(usize, T),
+    );
+
+    /// [`Measurement::jacobian`](crate::Measurement::jacobian) of all measurements: `put(row, channel, value)`, with the
+    /// rows of the filter.
+    fn residual_jacobian<T: Real>(
+        at: &<Self::Dynamics as Dynamics>::Point<T>,
+        put: &mut impl FnMut(usize, usize, T),
+    );
 
     /// Named access to a state vector and its covariance: `F::view(&x, &p).inner_lever().sigma(0)`.
     fn view<'a, T: Real>(x: &'a Vector<Self, T>, p: &'a Matrix<Self, T>) -> Self::View<'a, T> {
         Self::View::at(Estimate { x: x.as_slice(), p }, 0)
     }
 
-    /// Row of the measurement matrix that holds `channel` of the dynamics, if it is measured.
-    #[inline(always)]
-    fn row(channel: usize) -> Option<usize> {
-        let mut row = 0;
-        let mut k = 0;
-        while k < Self::MEASURES.len() {
-            let group = &<Self::Dynamics as Dynamics>::CHANNELS[Self::MEASURES[k]];
-            let len = group.components.len();
-            if channel >= group.first && channel < group.first + len {
-                return Some(row + channel - group.first);
-            }
-            row += len;
-            k += 1;
-        }
-        None
+    /// Rows of the measurement at place `measured` of [`MEASURES`](Self::MEASURES).
+    #[inline]
+    fn rows(measured: usize) -> core::ops::Range<usize> {
+        let first = first_row(Self::MEASURES, measured);
+        first..first + Self::MEASURES[measured].components.len()
     }
 }
 
@@ -171,8 +176,8 @@ pub type Matrix<F, T> = <<F as Filter>::Shape as Shape>::Matrix<T>;
 pub type CoreRows<F, T> = <<F as Filter>::Shape as Shape>::CoreRows<T>;
 /// Shorthand for the measurement matrix of a filter.
 pub type MeasurementRows<F, T> = <<F as Filter>::Shape as Shape>::MeasurementRows<T>;
-/// Shorthand for a measurement of a filter.
-pub type Measurement<F, T> = <<F as Filter>::Shape as Shape>::Measurement<T>;
+/// Shorthand for numbers by measurement row.
+pub type MeasurementVector<F, T> = <<F as Filter>::Shape as Shape>::Measurement<T>;
 /// Shorthand for numbers by pairs of measurement rows.
 pub type MeasurementMatrix<F, T> = <<F as Filter>::Shape as Shape>::MeasurementMatrix<T>;
 /// Shorthand for numbers by leading state.

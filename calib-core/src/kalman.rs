@@ -3,17 +3,18 @@
 use core::marker::PhantomData;
 
 use crate::{
-    Array, Conventional, CoreVector, Dynamics, Fade, Filter, Form, Matrix, Measurement, MeasurementMatrix,
-    MeasurementRows, Real, Shape, Transition, Vector,
+    Array, Block, BlockVisitor, Conventional, CoreVector, Dynamics, Fade, Filter, Form, Matrix,
+    MeasurementInfo, MeasurementMatrix, MeasurementRows, MeasurementVector, Real, Relaxation, Shape,
+    Transition, Vector, relaxations, relaxes,
 };
 
-/// Residuals of a declared filter's measurements, assembled channel by channel.
+/// Residuals of a declared filter's measurements, row by row.
 ///
-/// Starts empty; a group that is not [`set`](Self::set) is no measurement at this instant.
+/// Starts empty; a row that is not [`set`](Self::set) measures nothing at this instant.
 pub struct Residuals<F: Filter, T: Real> {
-    z: Measurement<F, T>,
-    r: Measurement<F, T>,
-    present: Measurement<F, T>,
+    z: MeasurementVector<F, T>,
+    r: MeasurementVector<F, T>,
+    present: MeasurementVector<F, T>,
 }
 
 impl<F: Filter, T: Real> Default for Residuals<F, T> {
@@ -33,14 +34,11 @@ impl<F: Filter, T: Real> Clone for Residuals<F, T> {
 }
 
 impl<F: Filter, T: Real> Residuals<F, T> {
-    /// Sets `channel` of the dynamics to a residual `computed - measured` with the standard deviation of the measurement.
-    /// A channel that the filter does not measure is passed over.
-    pub fn set(&mut self, channel: usize, residual: T, sigma: T) {
-        if let Some(row) = F::row(channel) {
-            self.z[row] = residual;
-            self.r[row] = sigma * sigma;
-            self.present[row] = T::one();
-        }
+    /// Sets `row` to a residual `computed - measured` with the standard deviation of the measurement.
+    pub fn set(&mut self, row: usize, residual: T, sigma: T) {
+        self.z[row] = residual;
+        self.r[row] = sigma * sigma;
+        self.present[row] = T::one();
     }
 
     /// Whether nothing is measured.
@@ -49,12 +47,12 @@ impl<F: Filter, T: Real> Residuals<F, T> {
     }
 
     /// The residuals, row by row; zero where nothing is measured.
-    pub fn values(&self) -> &Measurement<F, T> {
+    pub fn values(&self) -> &MeasurementVector<F, T> {
         &self.z
     }
 
     /// Variances of the measurements, row by row; one where nothing is measured.
-    pub fn variances(&self) -> &Measurement<F, T> {
+    pub fn variances(&self) -> &MeasurementVector<F, T> {
         &self.r
     }
 
@@ -63,9 +61,9 @@ impl<F: Filter, T: Real> Residuals<F, T> {
         self.present[row] != T::zero()
     }
 
-    /// Takes out a group, by its place in [`Filter::MEASURES`]: it is no measurement at this instant.
-    pub fn leave_out(&mut self, group: usize) {
-        for row in group_rows::<F>(group) {
+    /// Takes out a measurement, by its place in [`Filter::MEASURES`]: there is none at this instant.
+    pub fn leave_out(&mut self, measured: usize) {
+        for row in F::rows(measured) {
             self.z[row] = T::zero();
             self.r[row] = T::one();
             self.present[row] = T::zero();
@@ -86,7 +84,7 @@ pub struct Innovation<T> {
     pub degrees_of_freedom: usize,
     /// Gaussian log-likelihood of the rows used.
     pub log_likelihood: T,
-    /// Groups of [`Filter::MEASURES`] that the gate refused, as bits.
+    /// Measurements that the gate refused, as bits by their place in [`Filter::MEASURES`].
     pub rejected: u32,
 }
 
@@ -128,13 +126,12 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
     }
 
     /// Prior standard deviations of the declaration's blocks.
+    ///
+    /// # Panics
+    /// When a block describes more or fewer states than it has: the message names it. [`probe`](crate::probe()) returns it.
     pub fn prior() -> Vector<F, T> {
         let mut sigmas = F::Shape::vector(T::zero());
-        let mut i = 0;
-        F::states(&mut |info| {
-            sigmas[i] = T::of(info.prior_sigma);
-            i += 1;
-        });
+        F::blocks(0, &mut Prior(sigmas.as_mut_slice()));
         sigmas
     }
 
@@ -161,8 +158,19 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
     }
 
     /// Time update over the interval of `transition`; `density` is the white noise on the leading states,
-    /// (unit)^2/s. Parameters that relax fade towards zero.
+    /// (unit)^2/s. Parameters that relax fade towards zero as they are declared to.
     pub fn predict(&mut self, transition: &Transition<F, T>, density: &CoreVector<F, T>) {
+        self.predict_relaxing(transition, density, &relaxing::<F, T>());
+    }
+
+    /// [`predict`](Self::predict) with `relaxing` by state in place of those that are declared; of a state that is not declared
+    /// to relax it is not asked.
+    pub fn predict_relaxing(
+        &mut self,
+        transition: &Transition<F, T>,
+        density: &CoreVector<F, T>,
+        relaxing: &Vector<F, Relaxation<T>>,
+    ) {
         let rows = transition.rows();
         let mut moved = F::Shape::core_vector(T::zero());
         for i in 0..F::Shape::CORE {
@@ -174,9 +182,9 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
             self.x[i] = moved[i];
         }
         C::propagate::<F::Shape, T>(&mut self.cov, rows, &transition.noise(density));
-        if F::RELAXES {
-            F::relaxation(&mut |state, relaxation| {
-                let fade = Fade::over(relaxation, state, transition.elapsed());
+        if const { relaxes::<F>() } {
+            relaxations::<F, T>(|state, _| {
+                let fade = Fade::over(relaxing[state], state, transition.elapsed());
                 self.x[state] *= fade.keep;
                 C::fade::<F::Shape, T>(&mut self.cov, &fade);
             });
@@ -194,7 +202,7 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
         C::propagate::<F::Shape, T>(&mut self.cov, &rows, &noise);
     }
 
-    /// Measurement update. With a `gate`, a group whose own normalised innovation squared per component
+    /// Measurement update. With a `gate`, a measurement whose own normalised innovation squared per row
     /// exceeds it is left out.
     ///
     /// # Errors
@@ -228,8 +236,8 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
         })
     }
 
-    /// Visits the measured groups by their place in [`Filter::MEASURES`], each with its own normalised innovation squared per
-    /// component: what a gate judges.
+    /// Visits the measurements present by their place in [`Filter::MEASURES`], each with its own normalised innovation squared per
+    /// row: what a gate judges.
     ///
     /// # Errors
     /// When the innovation covariance is not positive definite.
@@ -246,27 +254,27 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
                 h[m] = F::Shape::vector(T::zero());
             }
         }
-        self.groups(&h, residuals, visit)
+        self.measured(&h, residuals, visit)
     }
 
-    fn groups(
+    fn measured(
         &self,
         h: &MeasurementRows<F, T>,
         residuals: &Residuals<F, T>,
         mut visit: impl FnMut(usize, T),
     ) -> Result<(), NotPositiveDefinite> {
         let s = C::project::<F::Shape, T>(&self.cov, h);
-        for group in 0..F::MEASURES.len() {
-            let rows = group_rows::<F>(group);
+        for measured in 0..F::MEASURES.len() {
+            let rows = F::rows(measured);
             if rows.clone().any(|row| residuals.is_present(row)) {
                 let count = T::of(rows.len() as f64);
-                visit(group, self.group_nis(&s, h, residuals, rows)? / count);
+                visit(measured, self.nis(&s, h, residuals, rows)? / count);
             }
         }
         Ok(())
     }
 
-    /// Takes out the groups that the gate refuses.
+    /// Takes out the measurements that the gate refuses.
     fn reject(
         &self,
         h: &mut MeasurementRows<F, T>,
@@ -274,14 +282,14 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
         limit: T,
     ) -> Result<u32, NotPositiveDefinite> {
         let mut rejected = 0;
-        self.groups(h, residuals, |group, nis| {
+        self.measured(h, residuals, |measured, nis| {
             if nis > limit {
-                rejected |= 1 << group;
+                rejected |= 1 << measured;
             }
         })?;
-        for group in (0..F::MEASURES.len()).filter(|group| rejected & 1 << group != 0) {
-            residuals.leave_out(group);
-            for row in group_rows::<F>(group) {
+        for measured in (0..F::MEASURES.len()).filter(|measured| rejected & 1 << measured != 0) {
+            residuals.leave_out(measured);
+            for row in F::rows(measured) {
                 h[row] = F::Shape::vector(T::zero());
             }
         }
@@ -289,7 +297,7 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
     }
 
     /// Normalised innovation squared of some rows on their own.
-    fn group_nis(
+    fn nis(
         &self,
         s: &MeasurementMatrix<F, T>,
         h: &MeasurementRows<F, T>,
@@ -325,29 +333,110 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
     }
 }
 
-/// Rows of a group of [`Filter::MEASURES`].
-fn group_rows<F: Filter>(group: usize) -> core::ops::Range<usize> {
-    let len = |group: &usize| <F::Dynamics as Dynamics>::CHANNELS[*group].components.len();
-    let first = F::MEASURES[..group].iter().map(len).sum();
-    first..first + len(&F::MEASURES[group])
+/// Where the states' prior standard deviations go.
+struct Prior<'a, T>(&'a mut [T]);
+
+impl<D: Dynamics, T: Real> BlockVisitor<D> for Prior<'_, T> {
+    fn visit<B: Block<Dynamics = D>>(&mut self, first: usize) {
+        let mut described = 0;
+        B::states(&mut |info| {
+            if described < B::DIM {
+                self.0[first + described] = T::of(info.prior_sigma);
+            }
+            described += 1;
+        });
+        assert!(described == B::DIM, "block `{}` describes {described} states, `DIM` is {}", B::NAME, B::DIM);
+    }
 }
 
-/// The measurement matrix of a declared filter, one row per measured channel: the leading states' part, the direct
-/// effects of blocks, and what sensor errors do to the residual.
+/// How the states relax as they are declared, by state; nothing for those that are constant, and for the leading ones.
+#[inline]
+pub fn relaxing<F: Filter, T: Real>() -> Vector<F, Relaxation<T>> {
+    let mut relaxing = F::Shape::vector(Relaxation { rate: T::zero(), density: T::zero() });
+    relaxations::<F, T>(|state, relaxation| relaxing[state] = relaxation);
+    relaxing
+}
+
+/// The measurement matrix of a declared filter: how the channels depend on the states (the leading states' part, the direct
+/// effects of blocks, and what sensor errors do to them), and by the chain rule the rows that are made of them.
 pub fn measurement_rows<F: Filter, T: Real>(
     at: &<F::Dynamics as Dynamics>::Point<T>,
     signals: &<F::Dynamics as Dynamics>::Signals<T>,
 ) -> MeasurementRows<F, T> {
     let mut h = F::Shape::measurement_rows(T::zero());
     let mut add = |channel: usize, state: usize, value: T| {
-        if let Some(row) = F::row(channel) {
-            h[row][state] += value;
+        let mut row = 0;
+        let mut k = 0;
+        while k < F::MEASURES.len() {
+            let MeasurementInfo { components, channels, .. } = F::MEASURES[k];
+            if let Some(first) = channels
+                && channel >= first
+                && channel < first + components.len()
+            {
+                h[row + channel - first][state] += value;
+            }
+            row += components.len();
+            k += 1;
         }
     };
-    F::Dynamics::measurement_jacobian(at, &mut add);
-    F::measurement_jacobian(at, &mut add);
-    F::input_jacobian(signals, &mut |input, state, value| {
-        F::Dynamics::measure_input(at, input, value, &mut |channel, part| add(channel, state, part));
-    });
+    channels_by_states::<F, T>(at, signals, &mut add);
+    if const { has_functions(F::MEASURES) } {
+        add_functions::<F, T>(at, signals, &mut h);
+    }
     h
+}
+
+/// How the channels depend on the states: `put(channel, state, value)`.
+#[inline(always)]
+fn channels_by_states<F: Filter, T: Real>(
+    at: &<F::Dynamics as Dynamics>::Point<T>,
+    signals: &<F::Dynamics as Dynamics>::Signals<T>,
+    put: &mut impl FnMut(usize, usize, T),
+) {
+    F::Dynamics::measurement_jacobian(at, put);
+    F::measurement_jacobian(at, put);
+    F::input_jacobian(signals, &mut |input, state, value| {
+        F::Dynamics::measure_input(at, input, value, &mut |channel, part| put(channel, state, part));
+    });
+}
+
+/// Whether some rows are functions of channels.
+const fn has_functions(measures: &[MeasurementInfo]) -> bool {
+    let mut k = 0;
+    while k < measures.len() {
+        if measures[k].channels.is_none() {
+            return true;
+        }
+        k += 1;
+    }
+    false
+}
+
+/// The rows that are functions of channels. Each of their derivatives goes through the channels' rows once: there are few.
+fn add_functions<F: Filter, T: Real>(
+    at: &<F::Dynamics as Dynamics>::Point<T>,
+    signals: &<F::Dynamics as Dynamics>::Signals<T>,
+    h: &mut MeasurementRows<F, T>,
+) {
+    F::residual_jacobian(at, &mut |row, of, slope| {
+        let function = (0..F::MEASURES.len()).find(|k| F::rows(*k).contains(&row));
+        if function.is_some_and(|k| F::MEASURES[k].channels.is_none()) {
+            add_slope::<F, T>(at, signals, of, slope, &mut h[row]);
+        }
+    });
+}
+
+/// Adds a channel's row times `slope`.
+fn add_slope<F: Filter, T: Real>(
+    at: &<F::Dynamics as Dynamics>::Point<T>,
+    signals: &<F::Dynamics as Dynamics>::Signals<T>,
+    of: usize,
+    slope: T,
+    row: &mut Vector<F, T>,
+) {
+    channels_by_states::<F, T>(at, signals, &mut |channel, state, value| {
+        if channel == of {
+            row[state] += slope * value;
+        }
+    });
 }

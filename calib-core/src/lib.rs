@@ -16,25 +16,31 @@ mod filter;
 mod form;
 mod kalman;
 mod machine;
+mod measurement;
 mod observability;
+mod probe;
 mod real;
 mod tile;
 mod transition;
 mod ud;
 mod view;
+mod vocabulary;
 
-pub use block::{Block, BlockSet, Need, Relaxation, StateInfo};
+pub use block::{Block, Need, Relaxation, StateInfo};
 pub use conventional::Conventional;
-pub use dynamics::{ChannelGroup, Dynamics};
-pub use extended::{Extended, ExtendedView, Grown};
+pub use dynamics::Dynamics;
+pub use extended::{Counted, Extended, ExtendedView, Grown, Sizes};
 pub use filter::{
-    Array, CoreRows, CoreVector, Dim, Filter, Matrix, Measurement, MeasurementMatrix, MeasurementRows, Shape,
-    Vector,
+    Array, CoreRows, CoreVector, Dim, Filter, Matrix, MeasurementMatrix, MeasurementRows, MeasurementVector,
+    Shape, Vector,
 };
 pub use form::{Fade, Form, Whitened};
-pub use kalman::{Innovation, Kalman, NotPositiveDefinite, Residuals, measurement_rows};
+pub use kalman::{Innovation, Kalman, NotPositiveDefinite, Residuals, measurement_rows, relaxing};
+pub use measurement::{Measurement, MeasurementInfo};
 pub use observability::{Decomposition, ObservabilityRows, Triangle, system_rows};
+pub use probe::{Fault, Flaw, faults, probe};
 pub use real::Real;
-pub use transition::{Transition, restrict};
+pub use transition::Transition;
 pub use ud::Ud;
 pub use view::{BlockView, Entries, Estimate, View};
+pub use vocabulary::{BlockVisitor, Leaf, declares, first_state, leaves, relaxations, relaxes};

@@ -2,7 +2,7 @@
 
 use crate::machine::{Machine, on_this_machine};
 use crate::tile::in_turn;
-use crate::{Array, Block, BlockSet, CoreRows, CoreVector, Dynamics, Filter, Real, Shape};
+use crate::{Array, CoreRows, CoreVector, Dynamics, Filter, Real, Shape};
 
 /// Columns of `[Phi Psi]` that move together.
 const WIDTH: usize = 16;
@@ -206,11 +206,4 @@ fn advance_columns<S: Shape, T: Real, M: Machine, const W: usize>(
             }
         }
     }
-}
-
-/// Removes from `signals` what filter `F` does not model.
-#[inline(always)]
-pub fn restrict<F: Filter, T: Real>(signals: &mut <F::Dynamics as Dynamics>::Signals<T>) {
-    let blocks: BlockSet = <F as Block>::SET;
-    F::Dynamics::restrict(signals, blocks);
 }

@@ -1,14 +1,17 @@
 //! Arguments that several subcommands have in common.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use miette::Result;
 use rig::Scenario;
-use sinscal::{FILTERS, FilterInfo};
+use runs::AnyFilter;
 
+use crate::compose::Change;
 use crate::output::Target;
+use crate::vocabulary::vocabulary;
 use crate::{say, scenario};
 use logs::{Axes, ColumnMap, Log, Reading, Stamps};
 
@@ -120,16 +123,22 @@ pub(crate) fn tell(log: &Log) {
 pub(crate) struct FilterArgument {
     /// The filter; `sinscal filters` describes them
     #[arg(long, value_name = "NAME", ignore_case = true, value_parser = filter())]
-    pub(crate) filter: &'static FilterInfo,
+    filter: Arc<dyn AnyFilter>,
+    #[command(flatten)]
+    change: Change,
+}
+
+impl FilterArgument {
+    /// The filter with what was added to it.
+    pub(crate) fn filter(&self) -> Result<Arc<dyn AnyFilter>> {
+        self.change.of(&self.filter)
+    }
 }
 
 /// Finds a filter by its name, without regard to case.
-pub(crate) fn filter() -> impl TypedValueParser<Value = &'static FilterInfo> {
-    let names = FILTERS.iter().map(|filter| filter.name);
-    PossibleValuesParser::new(names).try_map(|name| {
-        let found = FILTERS.iter().find(|filter| filter.name.eq_ignore_ascii_case(&name));
-        found.ok_or_else(|| format!("there is no filter called {name}"))
-    })
+pub(crate) fn filter() -> impl TypedValueParser<Value = Arc<dyn AnyFilter>> {
+    let names = vocabulary().filters().map(|filter| filter.name());
+    PossibleValuesParser::new(names).try_map(|name| vocabulary().filter(&name))
 }
 
 /// Where results go.

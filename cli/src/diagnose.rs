@@ -1,20 +1,23 @@
 //! `sinscal diagnose`: finds the effect that a filter lacks.
 
-use core::ops::ControlFlow;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
-use gap::menu::menu_named;
-use gap::{Diagnosis, LogGap, Options, ReadError, Samples, Verdict};
-use miette::{IntoDiagnostic, Result, miette};
-use sinscal::{FilterInfo, InitialAttitude, Sample};
+use gap::menu::Menu;
+use gap::{Diagnosis, LogGap, Options, Verdict};
+use miette::{IntoDiagnostic, Report, Result, miette};
+use runs::AnyFilter;
 
 use crate::arguments::{self, Columns, Results};
-use crate::report::diagnosis::{self, tenths};
-use crate::report::inputs::Inputs;
+use crate::compose::Change;
+use crate::origin::{Documented as _, inputs};
+use crate::source::{Source, unreadable};
+use crate::vocabulary::vocabulary;
 use crate::{say, self_test, setup};
-use logs::{Log, LogError, Reading};
+use logs::Log;
+use reports::diagnosis::{self, tenths};
 
 /// Name of the Rust file with the extended filter.
 const DECLARATION: &str = "extended_filter.rs";
@@ -40,7 +43,9 @@ pub(crate) struct Arguments {
     /// The filter to begin with; `sinscal filters` describes them
     #[arg(long, value_name = "NAME", ignore_case = true, required_unless_present = "self_test",
           value_parser = arguments::filter())]
-    filter: Option<&'static FilterInfo>,
+    filter: Option<Arc<dyn AnyFilter>>,
+    #[command(flatten)]
+    change: Change,
     /// A second log of the same unit, on another path or day, to confirm what the first one shows
     #[arg(long, value_name = "LOG2")]
     verify: Option<PathBuf>,
@@ -55,90 +60,69 @@ pub(crate) struct Arguments {
     results: Results,
 }
 
-/// A log that is read again for each pass.
-struct Reread {
-    log: Log,
-    initial: InitialAttitude,
-}
-
-impl Reread {
-    fn new(path: &Path, reading: &Reading) -> Result<Self> {
-        let log = arguments::open(path, reading)?;
-        let initial = setup::initial(&log)?;
-        Ok(Self { log, initial })
-    }
-
-    /// What went wrong with it.
-    fn fault(&self, error: gap::Error) -> miette::Report {
-        let table = self.log.table().display();
-        match error {
-            gap::Error::Unreadable { source, .. } => match source.downcast::<LogError>() {
-                Ok(fault) => (*fault).into(),
-                Err(other) => miette!("{table}: {other}"),
-            },
-            error => miette!("{table}: {error}"),
-        }
-    }
-}
-
-impl Samples for Reread {
-    fn read(&self, visit: &mut dyn FnMut(&Sample) -> ControlFlow<()>) -> std::result::Result<(), ReadError> {
-        for chunk in self.log.ahead()? {
-            if chunk?.samples.iter().try_for_each(&mut *visit).is_break() {
-                break;
-            }
-        }
-        Ok(())
+/// What went wrong with a log.
+fn fault(log: &Log, error: gap::Error) -> miette::Report {
+    match error {
+        gap::Error::Unreadable { source, .. } => unreadable(log, source),
+        error => miette!("{}: {error}", log.table().display()),
     }
 }
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let target = self.results.target()?;
-        let (log, filter) = match (&self.log, self.filter) {
-            (Some(log), Some(filter)) => (log, filter),
+        let (log, filter) = match (&self.log, &self.filter) {
+            (Some(log), Some(filter)) => (log, self.change.of(filter)?),
             // the parser of the command line lets nothing else through
             _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, &target),
         };
-        let first = Reread::new(log, &self.columns.reading())?;
-        let second =
-            self.verify.as_deref().map(|log| Reread::new(log, &self.columns.reading())).transpose()?;
-
-        let first_setup = setup::of(&first.log, first.initial);
-        let second_setup = second.as_ref().map(|second| setup::of(&second.log, second.initial));
-        let log = gap::Log { samples: &first, setup: &first_setup };
-        let verify = second
+        let filter = &*filter;
+        let open = |log: &Path| arguments::open(log, &self.columns.reading());
+        let first = open(log)?;
+        let second = self.verify.as_deref().map(open).transpose()?;
+        let setup = |log| Ok::<_, Report>(setup::of(log, setup::initial(log)?));
+        let first_setup = setup(&first)?;
+        let second_setup = second.as_ref().map(setup).transpose()?;
+        let first_samples = Source::silent(&first);
+        let second_samples = second.as_ref().map(Source::silent);
+        let log = gap::Log { samples: &first_samples, setup: &first_setup };
+        let verify = second_samples
             .as_ref()
             .zip(second_setup.as_ref())
-            .map(|(second, setup)| gap::Log { samples: second, setup });
+            .map(|(samples, setup)| gap::Log { samples, setup });
         let bar = say::progress_bar(100, "diagnosing");
         let options = Options { seed: self.seed, ..Options::default() };
-        let found = gap::diagnose_named(filter.name, &log, verify.as_ref(), &options, &mut |stage, done| {
+        let effects = vocabulary().effects();
+        let found = gap::diagnose(filter, effects, &log, verify.as_ref(), &options, &mut |stage, done| {
             bar.set_message(stage);
             bar.set_position((100.0 * done) as u64);
         });
         bar.finish_and_clear();
-        let mut found =
-            found.ok_or_else(|| miette!("there is no filter called {}", filter.name))?.map_err(|error| {
-                second.as_ref().filter(|_| error.is_of_verification()).unwrap_or(&first).fault(error)
-            })?;
+        let mut found = found.map_err(|error| {
+            fault(second.as_ref().filter(|_| error.is_of_verification()).unwrap_or(&first), error)
+        })?;
         if matches!(found.verdict, Verdict::Ambiguous | Verdict::NotConfirmed) {
-            plan(filter.name, &mut found)?;
+            plan(filter, &mut found)?;
         }
         if let (Some(folder), Some(_)) = (&self.results.out, &found.source) {
             found.declaration = Some(folder.join(DECLARATION).display().to_string());
         }
+        let next = self.results.out.as_deref().filter(|_| found.verdict == Verdict::EffectsFound).map(|out| {
+            let from = out.join("diagnosis.json");
+            let (from, name) = (from.display(), filter.name());
+            format!("  sinscal calibrate LOG --filter {name} --with {from}\n  sinscal new my-unit --from {from}")
+        });
         let json = serde_json::to_string_pretty(&found).into_diagnostic()? + "\n";
-        target.write("diagnosis", &json, &text(&found), &found.sentence, |files, folder| {
+        target.write("diagnosis", &json, &text(&found, next.as_deref()), &found.sentence, |files, folder| {
             if let Some(source) = &found.source {
                 files.write(&folder.join(DECLARATION), |file| file.write_all(source.as_bytes()))?;
             }
-            let table = first.log.table().display();
-            let mut page = diagnosis::report(&found, format!("What {} lacks on {table}", filter.name));
-            page.sections.push(Inputs::of(&first.log)?.section());
-            page = page.with_program().with("seed", self.seed.to_string()).with_log(&first.log);
+            let table = first.table().display();
+            let mut page = diagnosis::report(&found, format!("What {} lacks on {table}", filter.title()));
+            page.sections.push(inputs(&first)?.section());
+            page = page.with_program().with("seed", self.seed.to_string()).with_log(&first);
             if let Some(second) = &second {
-                page = page.with_log(&second.log);
+                page = page.with_log(second);
             }
             page.write(files, folder)
         })
@@ -146,16 +130,18 @@ impl Arguments {
 }
 
 /// Where the log does not decide, the run that would: simulated, so it is worth its seconds only then.
-fn plan(filter: &str, found: &mut Diagnosis) -> Result<()> {
-    let Some(menu) = menu_named(filter) else { return Ok(()) };
-    let menu = menu.into_diagnostic()?;
+fn plan(filter: &dyn AnyFilter, found: &mut Diagnosis) -> Result<()> {
+    if filter.measures() != ["velocity", "position"] {
+        return Ok(());
+    }
+    let menu = Menu::new(filter, vocabulary().effects()).into_diagnostic()?;
     let undecided = found.undecided();
     found.next_run.splice(0..0, undecided.iter().filter_map(|(effect, other)| menu.sentence(effect, other)));
     Ok(())
 }
 
 /// The finding for people: the sentence, then the evidence.
-fn text(found: &Diagnosis) -> String {
+fn text(found: &Diagnosis, next: Option<&str>) -> String {
     let mut text = say::folded(&format!("{}\n", found.sentence), 0);
     // Writing to a string does not fail.
     for note in &found.notes {
@@ -211,6 +197,9 @@ fn text(found: &Diagnosis) -> String {
     next_runs(found, &mut text);
     if let Some(source) = &found.source {
         let _ = writeln!(text, "\nthe filter with what was found:\n\n{source}");
+    }
+    if let Some(next) = next {
+        let _ = writeln!(text, "next, on another log of the unit:\n{next}");
     }
     text
 }

@@ -3,10 +3,11 @@
 use std::fmt::Write;
 
 use clap::Args;
-use sinscal::{EFFECTS, EffectInfo};
+use sinscal::EffectInfo;
 
-use crate::figures::significant;
+use crate::vocabulary::vocabulary;
 use crate::{output, say};
+use reports::figures::significant;
 
 /// List the effects: parameters, units, priors, equations
 #[derive(Args)]
@@ -16,8 +17,8 @@ impl Arguments {
     pub(crate) fn run(self) -> miette::Result<()> {
         let mut text =
             format!("{:27} {:>2}  {:14} {:18} equation\n", "effect", "n", "unit (SI)", "prior sigma");
-        for effect in &EFFECTS {
-            describe(effect, &mut text);
+        for effect in vocabulary().effects() {
+            describe(effect.info(), &mut text);
         }
         output::print(&say::folded(&text, 31))
     }

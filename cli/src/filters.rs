@@ -3,8 +3,9 @@
 use std::fmt::Write;
 
 use clap::Args;
-use sinscal::{FILTERS, FilterInfo};
+use runs::AnyFilter;
 
+use crate::vocabulary::vocabulary;
 use crate::{output, say};
 
 /// List the filters: states, measurements, what they hold
@@ -14,25 +15,27 @@ pub(crate) struct Arguments {}
 impl Arguments {
     pub(crate) fn run(self) -> miette::Result<()> {
         let mut text = format!("{:14} {:>6}  {:22} {}\n", "filter", "states", "measures", "holds");
-        for filter in FILTERS {
-            let measures = filter.measures().collect::<Vec<_>>().join(", ");
+        for filter in vocabulary().filters() {
+            let (states, measures) = (filter.states().len(), filter.measures().join(", "));
             // Writing to a string does not fail.
-            let _ = writeln!(text, "{:14} {:>6}  {measures:22} {}", filter.name, filter.states, filter.about);
+            let _ = writeln!(text, "{:14} {states:>6}  {measures:22} {}", filter.name(), filter.about());
         }
         text.push_str("\nstates, with the equation in `sinscal effects`:\n");
-        for filter in FILTERS {
-            let _ = writeln!(text, "{:14} {}", filter.name, blocks(filter));
+        for filter in vocabulary().filters() {
+            let _ = writeln!(text, "{:14} {}", filter.name(), blocks(&**filter));
         }
         output::print(&say::folded(&text, 15))
     }
 }
 
 /// The blocks of a filter with their numbers of states, in order.
-fn blocks(filter: &FilterInfo) -> String {
+fn blocks(filter: &dyn AnyFilter) -> String {
     let mut blocks: Vec<(&str, usize)> = Vec::new();
-    filter.describe(&mut |state| match blocks.last_mut() {
-        Some((name, count)) if *name == state.block => *count += 1,
-        _ => blocks.push((state.block, 1)),
-    });
+    for state in filter.states() {
+        match blocks.last_mut() {
+            Some((name, count)) if *name == state.block => *count += 1,
+            _ => blocks.push((state.block, 1)),
+        }
+    }
     blocks.iter().map(|(name, count)| format!("{name} {count}")).collect::<Vec<_>>().join(", ")
 }

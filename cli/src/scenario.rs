@@ -7,6 +7,8 @@ use std::path::Path;
 use miette::{Diagnostic, LabeledSpan, NamedSource, Report, Result, SourceCode, miette};
 use rig::{Fault, Scenario};
 
+use crate::vocabulary::vocabulary;
+
 /// Scenarios are small; what is larger is some other file.
 const LARGEST: u64 = 1 << 20;
 
@@ -22,7 +24,8 @@ pub(crate) fn load(path: Option<&Path>) -> Result<Scenario> {
     }
     let text = String::from_utf8(bytes)
         .map_err(|_| miette!("{}: is not text, a TOML scenario in UTF-8 was expected", path.display()))?;
-    Scenario::parse(&text).map_err(|error| refused(Some((path, &text)), error.faults))
+    Scenario::parse_with(&text, &vocabulary().own_effects())
+        .map_err(|error| refused(Some((path, &text)), error.faults))
 }
 
 /// All that is wrong with a scenario, with a caret where it stands in a file.

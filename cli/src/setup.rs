@@ -9,15 +9,11 @@ use logs::Log;
 pub(crate) fn of(log: &Log, initial: InitialAttitude) -> Setup<'_> {
     let description = log.description();
     Setup {
-        rate: description.rate,
-        site: description.site,
-        initial,
-        reference: description.reference,
         update_rate: log.update_rate(),
-        noise: description.noise,
         reference_temperature: description.reference_temperature,
         outer_lever: description.outer_lever,
         priors: &description.priors,
+        ..Setup::new(description.rate, description.site, initial, description.reference, description.noise)
     }
 }
 

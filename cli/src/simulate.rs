@@ -8,12 +8,14 @@ use miette::{Result, miette};
 use rig::{DEFAULT_SCENARIO, Description, Simulation, Truth};
 use sinscal::Sample;
 
-use crate::figures::significant;
+use crate::origin::Documented as _;
 use crate::output::{self, Files};
-use crate::report::inputs::Inputs;
-use crate::report::{Report, Section, Table, Tone, number, text};
 use crate::table::{self, Cells, TableWriter};
+use crate::vocabulary::vocabulary;
 use crate::{say, scenario};
+use reports::Inputs;
+use reports::figures::significant;
+use reports::{Report, Section, Table, Tone, number, text};
 
 /// Rows per piece of the written table.
 const ROWS: usize = 32_768;
@@ -96,7 +98,7 @@ impl Arguments {
 fn page(title: String, verdict: String, truth: &Truth, inputs: &Inputs) -> Report {
     let mut rows = Vec::new();
     for (name, values) in truth.effects() {
-        let Some(effect) = sinscal::effect(name) else { continue };
+        let Ok(effect) = vocabulary().effect(name).map(|effect| effect.info()) else { continue };
         for (component, value) in effect.components().iter().zip(values) {
             let sign = if *value < 0.0 { "-" } else { "" };
             let figure = number(format!("{sign}{}", significant(value.abs() / effect.sheet_scale)));

@@ -1,76 +1,16 @@
-//! The effects that are priced against a filter.
+//! What is believed of the effects that are priced against a filter.
 
-use sinscal::prelude::*;
-use sinscal::{Setup, effect};
-
-/// Every effect of the catalogue that a filter may do without: 21 effects, 61 states.
-///
-/// Only scale factors, installation errors and biases are missing from it: every filter has them. A user's own effect is
-/// priced beside these by a group of both:
-///
-/// ```
-/// # use sinscal::prelude::*;
-/// # type MyEffect = Dither;
-/// #[derive(StateBlocks)]
-/// #[group]
-/// struct Mine {
-///     known: gap::Candidates,
-///     own: MyEffect,
-/// }
-/// ```
-#[derive(Debug, StateBlocks)]
-#[group]
-pub struct Candidates {
-    accel_quadratic: AccelQuadratic,
-    outer_lever_arm: OuterLeverArm,
-    inner_lever_arm: InnerLeverArm,
-    dither_size_effect: DitherSizeEffect,
-    accel_delay: AccelDelay,
-    accel_temperature_scale: AccelTemperatureScale,
-    accel_temperature_bias: AccelTemperatureBias,
-    accel_temperature_rate: AccelTemperatureRate,
-    gyro_temperature_bias: GyroTemperatureBias,
-    gyro_g_sensitivity: GyroGSensitivity,
-    accel_scale_asymmetry: AccelScaleAsymmetry,
-    gyro_scale_asymmetry: GyroScaleAsymmetry,
-    accel_cubic: AccelCubic,
-    accel_cross_coupling: AccelCrossCoupling,
-    gyro_rate_nonlinearity: GyroRateNonlinearity,
-    accel_bias_drift: AccelBiasDrift,
-    gyro_bias_drift: GyroBiasDrift,
-    inner_lever_arm_tangential: InnerLeverArmTangential,
-    reference_delay: ReferenceDelay,
-    reference_misalignment: ReferenceMisalignment,
-    reference_tilt: ReferenceTilt,
-}
-
-/// Number of states of [`Candidates`], as a type.
-pub type CandidateStates = hybrid_array::typenum::U61;
-
-/// What the size of a candidate goes with: a unit whose biases are a thousand times those of a navigation-grade one has
-/// larger nonlinearities and temperature effects too.
-fn kin(block: &str) -> Option<&'static str> {
-    Some(match block {
-        "accel-temperature-bias" | "accel-temperature-rate" | "accel-bias-drift" => "accel-bias",
-        "accel-quadratic"
-        | "accel-temperature-scale"
-        | "accel-scale-asymmetry"
-        | "accel-cubic"
-        | "accel-cross-coupling" => "accel-scale",
-        "gyro-temperature-bias" | "gyro-g-sensitivity" | "gyro-bias-drift" => "gyro-bias",
-        "gyro-scale-asymmetry" | "gyro-rate-nonlinearity" => "gyro-scale",
-        _ => return None,
-    })
-}
+use sinscal::{EffectInfo, Setup, effect};
 
 /// Factor on the default prior of a candidate that the description of the log does not name: how much larger than its
-/// default the stated prior of its kin is.
-pub(crate) fn prior_factor(setup: &Setup, block: &str) -> f64 {
+/// default the stated prior of its kin is ([`EffectInfo::kin`]).
+pub(crate) fn prior_factor(setup: &Setup, info: Option<&EffectInfo>) -> f64 {
+    let Some(info) = info else { return 1.0 };
     let stated = |name: &str| setup.priors.iter().find(|(n, _)| *n == name).map(|(_, sigma)| *sigma);
-    if stated(block).is_some() {
+    if stated(info.name()).is_some() {
         return 1.0;
     }
-    let Some(kin) = kin(block) else { return 1.0 };
+    let Some(kin) = info.kin() else { return 1.0 };
     match (stated(kin), effect(kin)) {
         (Some(stated), Some(effect)) if effect.prior_sigma > 0.0 => (stated / effect.prior_sigma).max(1.0),
         _ => 1.0,

@@ -1,5 +1,8 @@
 //! Writes the filter that has the missing effects.
 
+use runs::AnyFilter;
+use sinscal::InnerLeverArm;
+
 /// What must be known of the filter that is extended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BaseFilter {
@@ -13,8 +16,24 @@ pub struct BaseFilter {
     pub has_inner_lever_arm: bool,
 }
 
-/// `accel-delay` as a type: `AccelDelay`.
-fn type_name(effect: &str) -> String {
+impl BaseFilter {
+    /// What must be known of `filter`.
+    pub fn of(filter: &dyn AnyFilter) -> Self {
+        let path = filter.path();
+        // the types of the library are re-exported at its root
+        let own = path.rsplit("::").next().unwrap_or(path);
+        let path = if path.starts_with("sinscal::") { format!("sinscal::{own}") } else { path.into() };
+        Self {
+            name: filter.name().into(),
+            path,
+            measures: filter.measures().into_iter().map(Into::into).collect(),
+            has_inner_lever_arm: filter.blocks().iter().any(|leaf| leaf.is::<InnerLeverArm>()),
+        }
+    }
+}
+
+/// A name as a type: `accel-delay` as `AccelDelay`.
+pub fn type_name(effect: &str) -> String {
     effect
         .split('-')
         .map(|word| {
@@ -26,18 +45,26 @@ fn type_name(effect: &str) -> String {
         .collect()
 }
 
-/// Rust source that declares `base` with `effects` added.
+/// Fields of a declaration that extends `base` by `effects`, a line each.
 ///
 /// `dither-size-effect` becomes the block `Dither`, which needs no states, where inner lever arms are declared.
-pub fn declaration(base: &BaseFilter, effects: &[&str]) -> String {
-    let own = base.path.rsplit("::").next().unwrap_or(&base.path);
+pub fn fields(base: &BaseFilter, effects: &[&str]) -> String {
     let with_inner = base.has_inner_lever_arm || effects.contains(&"inner-lever-arm");
     let mut fields = String::new();
-    let mut name = base.name.clone();
-    let mut of_type = own.to_string();
     for effect in effects {
         let block = if *effect == "dither-size-effect" && with_inner { "dither" } else { effect };
         fields += &format!("    {}: {},\n", block.replace('-', "_"), type_name(block));
+    }
+    fields
+}
+
+/// Rust source that declares `base` with `effects` added, with [`fields`].
+pub fn declaration(base: &BaseFilter, effects: &[&str]) -> String {
+    let own = base.path.rsplit("::").next().unwrap_or(&base.path);
+    let fields = fields(base, effects);
+    let mut name = base.name.clone();
+    let mut of_type = own.to_string();
+    for effect in effects {
         name += &format!("-{effect}");
         of_type += &type_name(effect);
     }

@@ -1,7 +1,7 @@
 //! The whole workflow.
 
-use calib_core::{Block, Extended, Filter};
-use sinscal::{Setup, Strapdown};
+use runs::AnyFilter;
+use sinscal::{AnyEffect, Setup};
 
 use crate::decide::{Decision, decide};
 use crate::declaration::declaration;
@@ -14,10 +14,10 @@ use crate::open::Open;
 use crate::parallel::both;
 use crate::report::{Diagnosis, FoundEffect, NoiseScale, Rival, Verdict};
 use crate::rerun::rerun;
-use crate::run::{Declared, Machine};
+use crate::run::{Machine, Runs};
 use crate::scene::{EXCITED, Scene};
 use crate::white::whiteness;
-use crate::{CandidateStates, Candidates, say, threshold};
+use crate::{say, threshold};
 
 /// How to diagnose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,66 +39,22 @@ impl Default for Options {
 /// log10 of a p-value of whiteness that is worth a note.
 const COLOURED: f64 = -6.0;
 
-/// Diagnoses `log` with the declared filter `F` against the catalogue, and asks `verify` where there is one.
+/// Diagnoses `log` with `filter` against those of `effects` that it lacks, and asks `verify` where there is one.
 ///
 /// `progress` is told the stage and how much of the work is done.
 ///
 /// # Errors
-/// When a filter diverges or a log is too short.
-pub fn diagnose<F>(
+/// When a filter diverges, a log is too short, or the effects cannot be added to the filter.
+pub fn diagnose(
+    filter: &dyn AnyFilter,
+    effects: &[&'static dyn AnyEffect],
     log: &Log,
     verify: Option<&Log>,
     options: &Options,
     progress: &mut dyn FnMut(&'static str, f64),
-) -> Result<Diagnosis, Error>
-where
-    F: Filter<Dynamics = Strapdown>,
-    Extended<F, Candidates, CandidateStates>: Filter<Dynamics = Strapdown>,
-{
-    diagnose_with::<F, Candidates, CandidateStates>(log, verify, options, progress)
+) -> Result<Diagnosis, Error> {
+    workflow(&Runs::new(filter, effects)?, log, verify, options, progress)
 }
-
-/// [`diagnose`] with candidates of one's own: a group `B` of blocks with `K` states.
-///
-/// # Errors
-/// When a filter diverges or a log is too short.
-pub fn diagnose_with<F, B, K>(
-    log: &Log,
-    verify: Option<&Log>,
-    options: &Options,
-    progress: &mut dyn FnMut(&'static str, f64),
-) -> Result<Diagnosis, Error>
-where
-    F: Filter<Dynamics = Strapdown>,
-    B: Block<Dynamics = Strapdown>,
-    K: 'static,
-    Extended<F, B, K>: Filter<Dynamics = Strapdown>,
-{
-    workflow(&Declared::<F, B, K>::new(), log, verify, options, progress)
-}
-
-macro_rules! named {
-    ($($filter:ident),+ $(,)?) => {
-        /// [`diagnose`] with the filter of a name; `None` when there is none.
-        ///
-        /// # Errors
-        /// When a filter diverges or a log is too short.
-        pub fn diagnose_named(
-            filter: &str,
-            log: &Log,
-            verify: Option<&Log>,
-            options: &Options,
-            progress: &mut dyn FnMut(&'static str, f64),
-        ) -> Option<Result<Diagnosis, Error>> {
-            $(if filter == <sinscal::$filter as Filter>::NAME {
-                return Some(diagnose::<sinscal::$filter>(log, verify, options, progress));
-            })+
-            None
-        }
-    };
-}
-
-named!(Sins36P, Sins39P, Sins40P, Sins43P, Sins43B, Mems30, Tracked35);
 
 fn workflow(
     machine: &dyn Machine,
@@ -243,7 +199,7 @@ fn report(
         next_run,
     };
     if confirmed {
-        effects(first, second, decision, &mut d);
+        effects(machine, first, second, decision, &mut d);
     }
     notes(first, second, open, decision, &mut d);
     if let Some(white) = d.whiteness.filter(|w| w.log10_p_after < COLOURED) {
@@ -259,7 +215,13 @@ fn report(
 }
 
 /// Values as priced; the re-run replaces them.
-fn effects(first: &Scene, second: Option<&Scene>, decision: &Decision, d: &mut Diagnosis) {
+fn effects(
+    machine: &dyn Machine,
+    first: &Scene,
+    second: Option<&Scene>,
+    decision: &Decision,
+    d: &mut Diagnosis,
+) {
     let best = &decision.best.groups;
     let Some((mean, covariance)) = first.prices.posterior(best) else { return };
     let there = second.and_then(|s| {
@@ -275,6 +237,8 @@ fn effects(first: &Scene, second: Option<&Scene>, decision: &Decision, d: &mut D
         let range = at..at + group.members.len();
         at = range.end;
         let others: Vec<usize> = best.iter().copied().filter(|o| o != g).collect();
+        let info = &recording.columns()[columns[range.start]].info;
+        let entry = machine.entry(&group.name);
         d.effects.push(FoundEffect {
             name: group.name.clone(),
             components: range
@@ -284,7 +248,11 @@ fn effects(first: &Scene, second: Option<&Scene>, decision: &Decision, d: &mut D
             estimate: range.clone().map(|k| mean[k]).collect(),
             sigma: range.clone().map(|k| covariance[(k, k)].sqrt()).collect(),
             estimate_verify: there.as_ref().map(|t| range.clone().map(|k| t.0[k]).collect()),
-            unit: recording.columns()[columns[range.start]].info.unit.into(),
+            unit: info.unit.into(),
+            sheet_unit: info.sheet_unit.into(),
+            sheet_scale: info.sheet_scale,
+            equation: entry.map_or(String::new(), |entry| entry.equation().into()),
+            description: entry.map_or(String::new(), |entry| entry.description().into()),
             log_likelihood_gain: first.prices.gain(best) - first.prices.gain(&others),
             log_e_verify: decision.each[i],
         });
@@ -365,8 +333,9 @@ fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
 
 #[cfg(test)]
 mod tests {
+    use runs::Declared;
     use sinscal::navigation::Pilot;
-    use sinscal::{Diverged, Sample, Sins36P};
+    use sinscal::{CATALOGUE, Diverged, Sample, Sins36P};
 
     use super::*;
     use crate::declaration::BaseFilter;
@@ -374,15 +343,19 @@ mod tests {
     use crate::run::{Ran, Size};
 
     /// 36d-p, which diverges without help.
-    struct Fragile(Declared<Sins36P, Candidates, CandidateStates>);
+    struct Fragile<'a>(Runs<'a>);
 
-    impl Machine for Fragile {
+    impl Machine for Fragile<'_> {
         fn base(&self) -> BaseFilter {
             self.0.base()
         }
 
         fn has(&self, block: &str) -> bool {
             self.0.has(block)
+        }
+
+        fn entry(&self, effect: &str) -> Option<&'static sinscal::EffectInfo> {
+            self.0.entry(effect)
         }
 
         fn run(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError> {
@@ -404,9 +377,9 @@ mod tests {
     #[test]
     fn what_was_found_stands_though_the_filter_without_it_diverges() {
         let mut scenario = rig::Scenario::default().with_rate(20.0).unwrap();
-        scenario.keep_effects(|name| {
-            Declared::<Sins36P, Candidates, CandidateStates>::new().has(name) || name == "accel-delay"
-        });
+        let filter = Declared::<Sins36P>::new(2, "");
+        let machine = Fragile(Runs::new(&filter, CATALOGUE).unwrap());
+        scenario.keep_effects(|name| machine.has(name) || name == "accel-delay");
         scenario.motion.still = 100.0;
         scenario.motion.dwell = 30.0;
         scenario.dither.mode = rig::DitherMode::Off;
@@ -415,7 +388,7 @@ mod tests {
         let samples: Vec<Sample> = simulation.collect();
         let setup = description.setup(&[]);
         let log = Log { samples: &samples, setup: &setup };
-        let d = workflow(&Fragile(Declared::new()), &log, None, &Options::default(), &mut |_, _| {}).unwrap();
+        let d = workflow(&machine, &log, None, &Options::default(), &mut |_, _| {}).unwrap();
         assert!(d.sentence.contains("accel-delay") && d.gap.is_none(), "{}", d.sentence);
         assert!(d.notes.iter().any(|n| n.contains("diverges at 321 s")), "{:?}", d.notes);
     }

@@ -2,7 +2,7 @@
 
 use sinscal::Diverged;
 
-use crate::log::ReadError;
+use runs::ReadError;
 
 /// The log to diagnose, as errors name it.
 pub(crate) const FIRST: &str = "log";
@@ -17,7 +17,7 @@ pub enum Error {
     Unreadable {
         /// Which log.
         log: &'static str,
-        /// What its [`Samples`](crate::Samples) say.
+        /// What its [`Samples`](runs::Samples) say.
         source: ReadError,
     },
     /// A filter diverged.
@@ -28,6 +28,9 @@ pub enum Error {
         /// When.
         source: Diverged,
     },
+    /// The effects cannot be added to the filter.
+    #[error(transparent)]
+    Compose(#[from] runs::ComposeError),
     /// Too little to judge by.
     #[error(
         "{updates} updates by the reference in the {log} are too few to judge by; at least 100 are needed"
@@ -49,11 +52,13 @@ pub enum Error {
 impl Error {
     /// Whether it is the verification log that is at fault.
     pub fn is_of_verification(&self) -> bool {
-        let (Self::Unreadable { log, .. }
-        | Self::Diverged { log, .. }
-        | Self::TooShort { log, .. }
-        | Self::Indefinite { log }) = self;
-        *log == SECOND
+        match self {
+            Self::Unreadable { log, .. }
+            | Self::Diverged { log, .. }
+            | Self::TooShort { log, .. }
+            | Self::Indefinite { log } => *log == SECOND,
+            Self::Compose(_) => false,
+        }
     }
 
     pub(crate) fn of(log: &'static str, error: SceneError) -> Self {
@@ -78,5 +83,21 @@ pub(crate) enum SceneError {
 impl From<ReadError> for SceneError {
     fn from(fault: ReadError) -> Self {
         Self::Unreadable(fault)
+    }
+}
+
+impl From<std::io::Error> for SceneError {
+    fn from(fault: std::io::Error) -> Self {
+        Self::Unreadable(fault.into())
+    }
+}
+
+impl From<runs::Error> for SceneError {
+    fn from(error: runs::Error) -> Self {
+        match error {
+            runs::Error::Diverged { diverged, .. } => Self::Diverged(diverged),
+            runs::Error::Unreadable(source) => Self::Unreadable(source),
+            other => Self::Unreadable(other.into()),
+        }
     }
 }

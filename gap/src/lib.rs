@@ -1,7 +1,7 @@
 //! Finds the effect that a calibration filter lacks: where prediction and measurement disagree, which effect is missing, and
 //! whether adding it shrinks the gap on data that was not used to choose it.
 //!
-//! [`diagnose`] is the whole workflow; it does no input or output: samples come from whatever implements [`Samples`]. A log is run closed loop with every effect of the
+//! [`diagnose`] is the whole workflow; it does no input or output: samples come from whatever implements [`runs::Samples`]. A log is run closed loop with every effect of the
 //! catalogue in the filter, and recorded once about that trajectory. From there everything is linear: the noise is fitted,
 //! every effect and every set of effects is priced from one run (Friedland's separate bias, exact), thresholds are
 //! simulated, the smallest adequate set is named and put to a second log, and what no effect explains is compared with a
@@ -9,10 +9,12 @@
 //!
 //! ```no_run
 //! use gap::{Log, Options, diagnose};
-//! use sinscal::Sins36P;
+//! use runs::Vocabulary;
 //! # fn with(samples: &Vec<sinscal::Sample>, setup: &sinscal::Setup) -> Result<(), gap::Error> {
 //! let log = Log { samples, setup };
-//! let found = diagnose::<Sins36P>(&log, None, &Options::default(), &mut |stage, done| {
+//! let vocabulary = Vocabulary::standard();
+//! let filter = vocabulary.filter("36d-p").expect("a filter of the library");
+//! let found = diagnose(&*filter, vocabulary.effects(), &log, None, &Options::default(), &mut |stage, done| {
 //!     eprintln!("{:3.0} % {stage}", 100.0 * done);
 //! })?;
 //! println!("{}", found.sentence);
@@ -54,13 +56,12 @@ mod threshold;
 mod verify;
 mod white;
 
-pub use candidates::{CandidateStates, Candidates};
 pub use chi2::ln_survival;
-pub use declaration::{BaseFilter, declaration};
-pub use diagnose::{Options, diagnose, diagnose_named, diagnose_with};
+pub use declaration::{BaseFilter, declaration, fields, type_name};
+pub use diagnose::{Options, diagnose};
 pub use error::Error;
 pub use linear::Noise;
-pub use log::{Log, ReadError, Samples};
+pub use log::Log;
 pub use pricing::Pricing;
 pub use report::{
     Diagnosis, Evidence, FoundEffect, Gap, Horizontal, LogGap, NoiseScale, Place, Rival, Verdict,

@@ -15,9 +15,6 @@ const SHORTEST: f64 = 4.0;
 /// More stretches of motion than this are no longer a map: equal ones are taken instead.
 const STRETCHES: usize = 80;
 
-/// Names of the channels of the strapdown dynamics.
-const CHANNELS: [&str; 9] = ["vel_e", "vel_n", "vel_u", "pos_e", "pos_n", "pos_u", "att_e", "att_n", "att_u"];
-
 /// Matched-filter gain of `named` by stretch and channel, the strongest first, and its growth.
 pub(crate) fn locate(scene: &Scene, named: &[usize]) -> (Vec<Place>, Vec<Evidence>) {
     match scene.prices.posterior(named) {
@@ -52,7 +49,7 @@ fn map(
 ) -> Option<(Vec<Place>, Vec<Evidence>)> {
     let recording = &scene.ran.recording;
     let nc = 1 + priced.count();
-    let mut gains = vec![[0.0; 9]; bounds.len()];
+    let mut gains = vec![vec![0.0; recording.channels.len()]; bounds.len()];
     let mut evidence = Vec::new();
     let (mut total, mut at, mut stretch) = (0.0, 0, 0);
     let every = (recording.updates() / POINTS).max(1);
@@ -75,7 +72,7 @@ fn map(
     for (bound, gains) in bounds.iter().zip(&gains) {
         for (channel, gain) in gains.iter().enumerate() {
             if *gain > 0.5 {
-                let channel = CHANNELS[channel].into();
+                let channel = recording.channels[channel].clone();
                 places.push(Place { start_s: bound.0, end_s: bound.1, channel, gain: *gain });
             }
         }

@@ -1,8 +1,8 @@
 //! What is diagnosed: samples that can be read again and again, and what one look at them tells.
 
-use core::ops::ControlFlow;
 use std::hash::{DefaultHasher, Hasher};
 
+use runs::{ReadError, Samples, each};
 use sinscal::{Reference, Sample, Setup};
 
 /// A reference that stays within so many of its standard deviations does not move.
@@ -13,27 +13,6 @@ const MOST_UPDATES: f64 = 10_000.0;
 const JOINED_TIME: f64 = 0.5;
 /// ...and this angle, rad: what is between them is then as good as straight.
 const JOINED_ANGLE: f64 = 0.02;
-
-/// Why samples could not be read.
-pub type ReadError = Box<dyn std::error::Error + Send + Sync>;
-
-/// Samples in the order of time, which can be read from the first one on any number of times: a diagnosis goes over them half a
-/// dozen times and does not keep them.
-pub trait Samples: Sync {
-    /// Gives each sample to `visit`, until that breaks off.
-    ///
-    /// # Errors
-    /// When a sample cannot be read.
-    fn read(&self, visit: &mut dyn FnMut(&Sample) -> ControlFlow<()>) -> Result<(), ReadError>;
-}
-
-impl Samples for Vec<Sample> {
-    fn read(&self, visit: &mut dyn FnMut(&Sample) -> ControlFlow<()>) -> Result<(), ReadError> {
-        // whoever breaks off knows why
-        let _ = self.iter().try_for_each(visit);
-        Ok(())
-    }
-}
 
 /// A log to be diagnosed: its samples, and the description that goes with them.
 #[derive(Clone, Copy)]
@@ -48,17 +27,9 @@ impl Log<'_> {
     /// Gives each sample to `work`, until there is an error.
     pub(crate) fn try_each<E: From<ReadError>>(
         &self,
-        mut work: impl FnMut(&Sample) -> Result<(), E>,
+        work: impl FnMut(&Sample) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut fault = None;
-        self.samples.read(&mut |sample| match work(sample) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => {
-                fault = Some(error);
-                ControlFlow::Break(())
-            }
-        })?;
-        fault.map_or(Ok(()), Err)
+        each(self.samples, work)
     }
 
     /// The same with samples as a unit of a slower rate would have given them: increments are sums, and what is read now and then
@@ -74,7 +45,7 @@ impl Log<'_> {
                 Some(joined) => join(joined, sample),
                 None => joined = Some(*sample),
             }
-            let is_due = sample.time >= due && is_read(&sample.reference);
+            let is_due = sample.time >= due && sample.reference.is_read();
             let is_longer = |all: &Sample| {
                 all.time - start >= JOINED_TIME || all.dtheta.norm_squared() >= JOINED_ANGLE * JOINED_ANGLE
             };
@@ -105,10 +76,6 @@ fn join(joined: &mut Sample, next: &Sample) {
             }
         });
     }
-}
-
-fn is_read(reference: &Reference) -> bool {
-    reference.velocity.is_some() || reference.position.is_some() || reference.attitude.is_some()
 }
 
 /// What one look at a log tells before any filter runs.
@@ -146,7 +113,7 @@ impl Survey {
                 (p - *from).amax() < STILL * sigma.position
             });
             survey.fixed &= still && there;
-            survey.readings += usize::from(is_read(reference));
+            survey.readings += usize::from(reference.is_read());
             for value in s.dtheta.iter().chain(&s.dvel) {
                 digest.write_u64(value.to_bits());
             }
@@ -250,7 +217,7 @@ mod tests {
         assert!((sum(&joined) - sum(&used)).norm() < 1e-9 && used.len() > 495);
         assert!(joined.iter().all(|s| s.dtheta.norm() < JOINED_ANGLE + 0.0035));
         assert!(joined.iter().any(|s| s.temperature.x == 30.0 && s.time > samples[52].time));
-        let due = joined.iter().filter(|s| is_read(&s.reference)).count();
+        let due = joined.iter().filter(|s| s.reference.is_read()).count();
         assert!((10..=11).contains(&due), "{due}");
         let still = joined.iter().filter(|s| s.time <= 5.0).count();
         assert!(

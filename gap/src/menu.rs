@@ -1,20 +1,20 @@
 //! Which run would tell two effects apart: chosen by their information from a menu of paths, each simulated.
 
-use calib_core::{Extended, Filter};
 use rig::motion::Turn;
 use rig::scenario::Path;
 use rig::{DitherMode, Scenario, ScenarioError, Simulation, TemperatureProfile};
-use sinscal::{Sample, Strapdown};
+use runs::AnyFilter;
+use sinscal::{AnyEffect, Sample};
 
+use crate::Error;
 use crate::error::SceneError;
 use crate::excite::information;
 use crate::linear::Noise;
 use crate::log::Log;
 use crate::parallel::both;
 use crate::prices::Prices;
-use crate::run::{Declared, Machine};
+use crate::run::{Machine, Runs};
 use crate::scene::EXCITED;
-use crate::{CandidateStates, Candidates, Error};
 
 /// A run of the menu, and how well it would show an effect beside another.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,18 +79,15 @@ pub struct Menu {
 }
 
 impl Menu {
-    /// Simulates the menu for filter `F`: a few seconds.
+    /// Simulates the menu for a filter of a turntable and the effects that it may lack: a few seconds.
     ///
     /// # Errors
-    /// When a run cannot be simulated or the filter diverges.
-    pub fn new<F>() -> Result<Self, ProposalError>
-    where
-        F: Filter<Dynamics = Strapdown>,
-        Extended<F, Candidates, CandidateStates>: Filter<Dynamics = Strapdown>,
-    {
-        let machine = Declared::<F, Candidates, CandidateStates>::new();
+    /// When a run cannot be simulated, the filter diverges, or the effects cannot be added to it.
+    pub fn new(filter: &dyn AnyFilter, effects: &[&'static dyn AnyEffect]) -> Result<Self, ProposalError> {
+        let machine = Runs::new(filter, effects).map_err(|e| ProposalError::Diagnosis(e.into()))?;
         let simulated = |(run, change): &(&'static str, Change)| -> Result<_, ProposalError> {
-            let mut scenario = Scenario::default().with_rate(20.0)?.modelled_by::<F>();
+            let mut scenario = Scenario::default().with_rate(20.0)?;
+            scenario.keep_effects(|name| machine.has(name));
             scenario.motion.still = 100.0;
             scenario.motion.dwell = 50.0;
             scenario.temperature.profile = TemperatureProfile::Constant(30.0);
@@ -156,20 +153,3 @@ fn shown(everything: &Prices, base: usize, effect: &str, other: &str) -> Option<
     }
     Some(everything.given(&free)?.excitation(g).1)
 }
-
-macro_rules! named {
-    ($($filter:ident),+ $(,)?) => {
-        /// The menu for the filter of a name; `None` when there is none.
-        ///
-        /// # Errors
-        /// When a run cannot be simulated or the filter diverges.
-        pub fn menu_named(filter: &str) -> Option<Result<Menu, ProposalError>> {
-            $(if filter == <sinscal::$filter as Filter>::NAME {
-                return Some(Menu::new::<sinscal::$filter>());
-            })+
-            None
-        }
-    };
-}
-
-named!(Sins36P, Sins39P, Sins40P, Sins43P, Sins43B);

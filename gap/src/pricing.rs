@@ -1,7 +1,7 @@
 //! Pricing by itself: what every effect is worth to a filter, from one run.
 
-use calib_core::{Extended, Filter};
-use sinscal::Strapdown;
+use runs::AnyFilter;
+use sinscal::AnyEffect;
 
 use crate::error::{Error, FIRST};
 use crate::linear::{Noise, Recorded, run};
@@ -9,14 +9,15 @@ use crate::log::Log;
 use crate::noise;
 use crate::prices::Prices;
 use crate::recording::Recording;
-use crate::run::{Declared, Machine};
-use crate::{CandidateStates, Candidates};
+use crate::run::{Machine, Runs};
 
 /// The price of every candidate of a log, and of every set of them.
 ///
 /// ```no_run
 /// # fn with(log: &gap::Log) -> Result<(), gap::Error> {
-/// let prices = gap::Pricing::of::<sinscal::Sins36P>(log, gap::Noise::STATED)?;
+/// let vocabulary = runs::Vocabulary::standard();
+/// let filter = vocabulary.filter("36d-p").expect("a filter of the library");
+/// let prices = gap::Pricing::of(&*filter, vocabulary.effects(), log, gap::Noise::STATED)?;
 /// println!("the delay gains {:?}", prices.gain(&["accel-delay"]));
 /// # Ok(())
 /// # }
@@ -29,16 +30,17 @@ pub struct Pricing {
 }
 
 impl Pricing {
-    /// Prices the catalogue against filter `F`, about one trajectory with all of them.
+    /// Prices those of `effects` that `filter` lacks, about one trajectory with all of them.
     ///
     /// # Errors
-    /// When the filter diverges.
-    pub fn of<F>(log: &Log, noise: Noise) -> Result<Self, Error>
-    where
-        F: Filter<Dynamics = Strapdown>,
-        Extended<F, Candidates, CandidateStates>: Filter<Dynamics = Strapdown>,
-    {
-        let machine = Declared::<F, Candidates, CandidateStates>::new();
+    /// When the filter diverges, or the effects cannot be added to it.
+    pub fn of(
+        filter: &dyn AnyFilter,
+        effects: &[&'static dyn AnyEffect],
+        log: &Log,
+        noise: Noise,
+    ) -> Result<Self, Error> {
+        let machine = Runs::new(filter, effects)?;
         let ran = machine.run(log, &noise, &|_| 1.0).map_err(|e| Error::of(FIRST, e))?;
         Ok(Self { recording: ran.recording, noise, base: ran.log_likelihood, prices: ran.prices })
     }

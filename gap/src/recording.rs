@@ -1,10 +1,8 @@
 //! What a pass of the filter did, kept so that every other filter about the same trajectory is a linear run.
 
-use calib_core::{
-    Array, CoreVector, Filter, Form, Residuals, Shape, StateInfo, Transition, measurement_rows,
-};
+use calib_core::StateInfo;
 use nalgebra::Vector3;
-use sinscal::{Event, Observer, Point, Signals, Strapdown};
+use runs::{Measured, Moved, Trace};
 
 use crate::products::{dot, multiply};
 
@@ -38,7 +36,7 @@ pub(crate) struct Step {
     pub(crate) h: Vec<f64>,
     pub(crate) z: Vec<f64>,
     pub(crate) r: Vec<f64>,
-    /// Channel of the dynamics of each measurement.
+    /// What each measurement is of, by [`Channels`].
     pub(crate) channel: Vec<usize>,
     pub(crate) motion: Motion,
 }
@@ -62,6 +60,8 @@ pub(crate) struct Recording {
     pub(crate) steps: Vec<Step>,
     /// Parameters that are not constant: column, inverse correlation time, noise density.
     pub(crate) relaxing: Vec<(usize, f64, f64)>,
+    /// Names of what [`Step::channel`] counts, for instance `vel_n`; empty where nothing is measured.
+    pub(crate) channels: Vec<String>,
 }
 
 impl Recording {
@@ -106,7 +106,13 @@ impl Recording {
                 steps.push(kept);
             }
         }
-        Self { steps, columns: self.columns.clone(), start: self.start, relaxing: self.relaxing.clone() }
+        Self {
+            steps,
+            columns: self.columns.clone(),
+            relaxing: self.relaxing.clone(),
+            channels: self.channels.clone(),
+            ..*self
+        }
     }
 }
 
@@ -201,81 +207,46 @@ fn moved_noise(rows: &[f64], w: usize, q: &[f64; SQUARE], added: &[f64; SQUARE])
     out
 }
 
-/// Watches a pass whose parameters are held and records it.
-pub(crate) struct Recorder<F: Filter<Dynamics = Strapdown>> {
+/// Records a pass whose parameters are held.
+pub(crate) struct Recorder {
     open: Interval,
     pub(crate) steps: Vec<Step>,
-    channels: Vec<usize>,
-    filter: core::marker::PhantomData<F>,
 }
 
-impl<F: Filter<Dynamics = Strapdown>> Recorder<F> {
-    pub(crate) fn new() -> Self {
-        let channels = (0..CORE).filter(|c| F::row(*c).is_some()).collect();
-        Self {
-            open: Interval::new(F::Shape::STATES - CORE),
-            steps: Vec::new(),
-            channels,
-            filter: core::marker::PhantomData,
-        }
+impl Recorder {
+    /// Of a pass with so many parameters.
+    pub(crate) fn new(parameters: usize) -> Self {
+        Self { open: Interval::new(parameters), steps: Vec::new() }
     }
 }
 
-impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Recorder<F> {
-    fn observe<C: Form>(&mut self, event: Event<'_, F, C>) {
-        match event {
-            Event::Predicted { transition, density } => self.predicted(transition, density),
-            Event::Widened(variances) => {
-                for i in 0..CORE {
-                    self.open.accel_noise[i * CORE + i] += variances[i];
-                }
-            }
-            Event::Measured { time, at, signals, residuals } => self.measured(time, at, signals, residuals),
-            Event::FedBack(correction) => self.open.feed_back(&correction.as_slice()[..CORE]),
-            _ => {}
-        }
-    }
-}
-
-impl<F: Filter<Dynamics = Strapdown>> Recorder<F> {
-    fn predicted(&mut self, transition: &Transition<F, f64>, density: &CoreVector<F, f64>) {
+impl Trace for Recorder {
+    fn moved(&mut self, step: &Moved) {
         let w = self.open.width;
         let mut rows = Vec::with_capacity(CORE * w);
-        for i in 0..CORE {
-            rows.extend_from_slice(transition.rows()[i].as_slice());
+        for row in step.rows.chunks_exact(w - 1) {
+            rows.extend_from_slice(row);
             rows.push(0.0);
         }
-        let part = |range: core::ops::Range<usize>| {
-            let mut d = F::Shape::core_vector(0.0);
-            for i in range {
-                d[i] = density[i];
-            }
-            let q = transition.noise(&d);
-            let mut flat = [0.0; SQUARE];
-            for i in 0..CORE {
-                flat[i * CORE..(i + 1) * CORE].copy_from_slice(q[i].as_slice());
-            }
-            flat
-        };
-        self.open.append(rows, &part(0..3), &part(3..6), transition.elapsed());
+        self.open.append(rows, &step.gyro_noise, &step.accel_noise, step.elapsed);
     }
 
-    fn measured(
-        &mut self,
-        time: f64,
-        at: &Point<f64>,
-        signals: &Signals<f64>,
-        residuals: &Residuals<F, f64>,
-    ) {
-        let matrix = measurement_rows::<F, f64>(at, signals);
+    fn widened(&mut self, variances: &[f64; CORE]) {
+        for i in 0..CORE {
+            self.open.accel_noise[i * CORE + i] += variances[i];
+        }
+    }
+
+    fn measured(&mut self, measured: &Measured) {
         let (rows, gyro_noise, accel_noise, elapsed) = self.open.take();
+        let signals = measured.signals;
         let mut step = Step {
-            time,
+            time: measured.time,
             elapsed,
             rows,
             gyro_noise,
             accel_noise,
-            h: Vec::with_capacity(self.channels.len() * (F::Shape::STATES)),
+            h: Vec::with_capacity(measured.rows.len() * self.open.width),
             z: Vec::new(),
             r: Vec::new(),
             channel: Vec::new(),
@@ -287,14 +258,16 @@ impl<F: Filter<Dynamics = Strapdown>> Recorder<F> {
                 dither: signals.dither,
             },
         };
-        for &channel in &self.channels {
-            if let Some(row) = F::row(channel).filter(|row| residuals.is_present(*row)) {
-                step.h.extend_from_slice(matrix[row].as_slice());
-                step.z.push(residuals.values()[row]);
-                step.r.push(residuals.variances()[row]);
-                step.channel.push(channel);
-            }
+        for row in measured.rows {
+            step.h.extend_from_slice(&row.h);
+            step.z.push(row.z);
+            step.r.push(row.r);
+            step.channel.push(row.channel);
         }
         self.steps.push(step);
+    }
+
+    fn fed_back(&mut self, correction: &[f64; CORE]) {
+        self.open.feed_back(correction);
     }
 }

@@ -33,6 +33,14 @@ pub struct FoundEffect {
     pub estimate_verify: Option<Vec<f64>>,
     /// SI unit.
     pub unit: String,
+    /// Unit of data sheets.
+    pub sheet_unit: String,
+    /// Size of one of them, SI.
+    pub sheet_scale: f64,
+    /// The model in plain text.
+    pub equation: String,
+    /// One line about it.
+    pub description: String,
     /// What it gains in log-likelihood on top of the other effects found.
     pub log_likelihood_gain: f64,
     /// Natural logarithm of its e-value on the second log, or on the second half of the only one.

@@ -1,8 +1,6 @@
 //! What was named is added and really run: the gap before and after.
 
-use core::ops::ControlFlow;
-
-use sinscal::Sample;
+use runs::navigate;
 
 use crate::decide::Decision;
 use crate::error::{Error, FIRST, SECOND, SceneError};
@@ -71,21 +69,9 @@ impl Pair {
 
 /// Largest horizontal error, m, of `log` navigated free-inertially with the parameters that a run found.
 fn navigated(machine: &dyn Machine, log: &Log, (first, last): (f64, f64), ran: &Ran) -> Option<f64> {
-    let until = first + ALIGNMENT.min(0.25 * (last - first));
-    let mut pilot = machine.pilot(log.setup, &ran.estimate);
-    // the alignment gives the solution at its beginning, smoothed: from there the same samples are navigated
-    let mut lost = false;
-    let align = &mut |sample: &Sample| {
-        lost |= sample.time <= until && pilot.step(sample).is_err();
-        if lost || sample.time > until { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
-    log.samples.read(align).ok()?;
-    if lost || !pilot.depart() {
-        return None;
-    }
-    log.try_each(|sample| pilot.step(sample).map(drop).map_err(SceneError::Diverged)).ok()?;
-    let drift = pilot.drift();
-    (drift.comparisons > 0 && drift.largest.is_finite()).then_some(drift.largest)
+    let board = || vec![(String::new(), machine.pilot(log.setup, &ran.estimate))];
+    let (flights, _) = navigate(log.samples, &board, ALIGNMENT.min(0.25 * (last - first))).ok()?;
+    flights.first().map(|flight| flight.drift.largest).filter(|largest| largest.is_finite())
 }
 
 /// Runs base and extended filter on both logs and compares.

@@ -1,9 +1,9 @@
 //! The nonlinear runs: the declared filter with chosen candidates, closed loop, relinearised, recorded.
 
-use calib_core::{Array, Block, Dynamics, Extended, Filter, Shape};
 use nalgebra::DVector;
-use sinscal::navigation::{Pilot, pilot_of};
-use sinscal::{Calibration, Known, Setup, StateInfo, Strapdown};
+use runs::{About, AnyFilter, ComposeError, Composition, Options};
+use sinscal::navigation::Pilot;
+use sinscal::{AnyEffect, DitherSizeEffect, Effect, EffectInfo, Setup, StateInfo};
 
 use crate::candidates::prior_factor;
 use crate::declaration::BaseFilter;
@@ -47,6 +47,8 @@ pub(crate) trait Machine: Sync {
     fn base(&self) -> BaseFilter;
     /// Whether the declared filter has a block.
     fn has(&self, block: &str) -> bool;
+    /// What is said of an effect that is priced.
+    fn entry(&self, effect: &str) -> Option<&'static EffectInfo>;
     /// Runs the filter and records a pass with all candidates' columns.
     fn run(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError>;
     /// The same, but it is the filter with the candidates that is run closed loop.
@@ -55,71 +57,109 @@ pub(crate) trait Machine: Sync {
     fn pilot(&self, setup: &Setup, parameters: &[f64]) -> Box<dyn Pilot>;
 }
 
-/// The types of a filter, without one.
-type Types<F, B, K> = core::marker::PhantomData<fn() -> (F, B, K)>;
+/// A filter and the effects that are priced against it.
+pub(crate) struct Runs<'a> {
+    base: &'a dyn AnyFilter,
+    effects: Vec<&'static dyn AnyEffect>,
+    /// The filter with all of them.
+    all: Composition,
+}
 
-/// Filter `F` with the candidates of `B`, of which there are `K` states.
-pub(crate) struct Declared<F, B, K>(Types<F, B, K>);
-
-impl<F, B, K> Declared<F, B, K> {
-    pub(crate) fn new() -> Self {
-        Self(core::marker::PhantomData)
+impl<'a> Runs<'a> {
+    /// `base` with those of `effects` that it lacks.
+    pub(crate) fn new(
+        base: &'a dyn AnyFilter,
+        effects: &[&'static dyn AnyEffect],
+    ) -> Result<Self, ComposeError> {
+        let own = base.blocks();
+        // a filter with the dither coupling knows the dither's size effect, without states for it
+        let has = |effect: &'static dyn AnyEffect| {
+            own.iter().any(|leaf| leaf.name == effect.name())
+                || effect.name() == DitherSizeEffect::EFFECT.name() && base.needs_dither()
+        };
+        let effects: Vec<_> = effects.iter().copied().filter(|effect| !has(*effect)).collect();
+        let all = Composition::with_states_for(base, &effects)?;
+        Ok(Self { base, effects, all })
     }
 
-    /// Standard deviation of a candidate's state before the run, from that of its block.
-    fn prior<'a>(&'a self, log: &'a Log, size: &'a Size) -> impl Fn(&StateInfo, f64) -> f64 + 'a
-    where
-        Self: Machine,
-    {
-        |info, sigma| {
-            if self.has(info.block) {
-                0.0
+    /// The parameters, those of the base first, with what is believed of them before the run.
+    fn columns(&self, log: &Log, size: &Size) -> Vec<Column> {
+        let own = self.base.parameters().len();
+        let parameters = self.all.parameters();
+        let column = |(i, info): (usize, StateInfo)| {
+            let stated = log.setup.priors.iter().find(|(name, _)| *name == info.block);
+            let sigma = stated.map_or(info.prior_sigma, |(_, sigma)| *sigma);
+            let prior = if i < own {
+                sigma
             } else {
-                sigma * size(info.block) * prior_factor(log.setup, info.block)
+                sigma * size(info.block) * prior_factor(log.setup, self.entry(info.block))
+            };
+            Column { info, prior, base: i < own, about: 0.0 }
+        };
+        parameters.into_iter().enumerate().map(column).collect()
+    }
+
+    /// Runs the base, or the filter with all effects, closed loop on joined samples, then records passes with all effects about
+    /// what was found, until it has settled.
+    fn drive(&self, log: &Log, noise: &Noise, size: &Size, all: bool) -> Result<Ran, SceneError> {
+        let mut columns = self.columns(log, size);
+        let first: &dyn AnyFilter = if all { &self.all } else { self.base };
+        let priors = columns[..first.parameters().len()].iter().map(|column| column.prior).collect();
+        let mut run = first.start(log.setup, &Options { passes: 1, priors, ..Options::of(first) });
+        run.begin_pass(false)?;
+        log.try_each_joined(|sample| run.feed(core::slice::from_ref(sample)).map_err(SceneError::Diverged))?;
+        let found = run.finish()?;
+        let mut about: Vec<f64> = found.parameters.iter().map(|parameter| parameter.value).collect();
+        about.resize(columns.len(), 0.0);
+        let everything: &dyn AnyFilter = &self.all;
+        everything.without_guess(log.setup, &mut about);
+        let mut gate = found.gate;
+        let mut passes = 0;
+        loop {
+            columns.iter_mut().zip(&about).for_each(|(column, about)| column.about = *about);
+            let mut recorder = Recorder::new(columns.len());
+            let traced =
+                everything.trace(log.samples, log.setup, &About { values: &about, gate }, &mut recorder)?;
+            gate = traced.gate;
+            passes += 1;
+            let relaxing = traced.relaxing.iter().map(|(column, r)| (*column, r.rate, r.density)).collect();
+            let recording = Recording {
+                columns: columns.clone(),
+                start: traced.start,
+                steps: recorder.steps,
+                relaxing,
+                channels: traced.channels,
+            };
+            let (found, prices) = price(&recording, noise).ok_or(SceneError::Indefinite)?;
+            let estimates = estimates(&recording, &found, &prices).ok_or(SceneError::Indefinite)?;
+            let estimate: Vec<f64> = estimates.iter().map(|e| e.0).collect();
+            let moves: Vec<f64> = columns.iter().zip(&estimate).map(|(column, e)| e - column.about).collect();
+            let sigmas = moves.iter().zip(&estimates).filter(|(_, e)| e.1 > 0.0);
+            let moved = sigmas.map(|(by, e)| by.abs() / e.1).fold(0.0, f64::max);
+            let is_small = || angle_of(&recording, &moves) < SMALL.min(SECOND_ORDER / moved);
+            if moved < SETTLED || passes == 1 && is_small() || passes == PASSES {
+                return Ok(Ran { recording, log_likelihood: found.log_likelihood, prices, estimate });
             }
+            about = estimate;
         }
     }
 }
 
-fn blocks<B: Block>() -> Vec<&'static str> {
-    let mut names = Vec::new();
-    B::states(&mut |info| {
-        if !names.contains(&info.block) {
-            names.push(info.block);
-        }
-    });
-    names
-}
-
-impl<F, B, K> Machine for Declared<F, B, K>
-where
-    F: Filter<Dynamics = Strapdown>,
-    B: Block<Dynamics = Strapdown>,
-    K: 'static,
-    Extended<F, B, K>: Filter<Dynamics = Strapdown>,
-{
+impl Machine for Runs<'_> {
     fn base(&self) -> BaseFilter {
-        let path = core::any::type_name::<F>();
-        // the types of the library are re-exported at its root
-        let own = path.rsplit("::").next().unwrap_or(path);
-        let path = if path.starts_with("sinscal::") { format!("sinscal::{own}") } else { path.into() };
-        let channels = <Strapdown as Dynamics>::CHANNELS;
-        BaseFilter {
-            name: F::NAME.into(),
-            path,
-            measures: F::MEASURES.iter().map(|g| channels[*g].name.into()).collect(),
-            has_inner_lever_arm: F::SET.contains(sinscal::blocks::set::INNER_LEVER_ARM),
-        }
+        BaseFilter::of(self.base)
     }
 
     fn has(&self, block: &str) -> bool {
-        // a filter with the dither coupling knows the dither's size effect, without states for it
-        blocks::<F>().contains(&block)
-            || block == "dither-size-effect" && F::SET.contains(sinscal::blocks::set::DITHER)
+        self.entry(block).is_none()
+    }
+
+    fn entry(&self, effect: &str) -> Option<&'static EffectInfo> {
+        self.effects.iter().map(|effect| effect.info()).find(|info| info.name() == effect)
     }
 
     fn run(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError> {
-        match drive::<F, Extended<F, B, K>>(log, noise, F::Shape::STATES, &self.prior(log, size)) {
+        match self.drive(log, noise, size, false) {
             // it may well be what it lacks that it does not survive
             Err(SceneError::Diverged(_)) => self.rerun(log, noise, size),
             done => done,
@@ -127,70 +167,13 @@ where
     }
 
     fn rerun(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError> {
-        let own = F::Shape::STATES;
-        if !blocks::<B>().into_iter().any(|block| size(block) > 0.0) {
-            return drive::<F, F>(log, noise, own, &|_, sigma| sigma);
-        }
-        drive::<Extended<F, B, K>, Extended<F, B, K>>(log, noise, own, &self.prior(log, size))
+        let all = self.effects.iter().any(|effect| size(effect.name()) > 0.0);
+        self.drive(log, noise, size, all)
     }
 
     fn pilot(&self, setup: &Setup, parameters: &[f64]) -> Box<dyn Pilot> {
-        let mut states = <Extended<F, B, K> as Filter>::Shape::vector(0.0);
-        states.as_mut_slice()[CORE..].iter_mut().zip(parameters).for_each(|(state, value)| *state = *value);
-        pilot_of::<Extended<F, B, K>>(setup, &states)
-    }
-}
-
-/// Runs filter `A` closed loop, then records passes of filter `G` about what was found, until it has settled. The first states
-/// of `G` are those of `A`, the first `own` of both those of the declared filter; `prior` adjusts the priors of the others.
-fn drive<A: Filter<Dynamics = Strapdown>, G: Filter<Dynamics = Strapdown>>(
-    log: &Log,
-    noise: &Noise,
-    own: usize,
-    prior: &dyn Fn(&StateInfo, f64) -> f64,
-) -> Result<Ran, SceneError> {
-    let adjusted = |state, info: &StateInfo, sigma| if state < own { sigma } else { prior(info, sigma) };
-    let mut first = Calibration::<A>::with_prior(log.setup, adjusted);
-    log.try_each_joined(|sample| first.step(sample).map(drop).map_err(SceneError::Diverged))?;
-    let mut columns: Vec<Column> = Vec::new();
-    let mut pass = Calibration::<G, Known>::with_prior(log.setup, |state, info, sigma| {
-        let sigma = adjusted(state, info, sigma);
-        if state >= CORE {
-            columns.push(Column { info: *info, prior: sigma, base: state < own, about: 0.0 });
-        }
-        sigma
-    });
-    pass.judge_after(&first);
-    let covariance = pass.covariance();
-    let start = core::array::from_fn(|i| covariance[i][i].sqrt());
-    let mut relaxing = Vec::new();
-    G::relaxation(&mut |state, r: calib_core::Relaxation<f64>| {
-        relaxing.push((state - CORE, r.rate, r.density));
-    });
-    let mut about = G::Shape::vector(0.0);
-    about.as_mut_slice()[..A::Shape::STATES].copy_from_slice(first.estimate().as_slice());
-    let mut passes = 0;
-    loop {
-        columns.iter_mut().zip(&about.as_slice()[CORE..]).for_each(|(column, about)| column.about = *about);
-        pass.begin_known(&about);
-        let mut recorder = Recorder::<G>::new();
-        log.try_each(|sample| {
-            pass.step_observed(sample, &mut recorder).map(drop).map_err(SceneError::Diverged)
-        })?;
-        passes += 1;
-        let recording =
-            Recording { columns: columns.clone(), start, steps: recorder.steps, relaxing: relaxing.clone() };
-        let (found, prices) = price(&recording, noise).ok_or(SceneError::Indefinite)?;
-        let estimates = estimates(&recording, &found, &prices).ok_or(SceneError::Indefinite)?;
-        let estimate: Vec<f64> = estimates.iter().map(|e| e.0).collect();
-        let moves: Vec<f64> = columns.iter().zip(&estimate).map(|(column, e)| e - column.about).collect();
-        let sigmas = moves.iter().zip(&estimates).filter(|(_, e)| e.1 > 0.0);
-        let moved = sigmas.map(|(by, e)| by.abs() / e.1).fold(0.0, f64::max);
-        let is_small = || angle_of(&recording, &moves) < SMALL.min(SECOND_ORDER / moved);
-        if moved < SETTLED || passes == 1 && is_small() || passes == PASSES {
-            return Ok(Ran { recording, log_likelihood: found.log_likelihood, prices, estimate });
-        }
-        about.as_mut_slice()[CORE..].copy_from_slice(&estimate);
+        let all: &dyn AnyFilter = &self.all;
+        all.pilot_with(setup, parameters)
     }
 }
 

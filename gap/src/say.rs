@@ -2,15 +2,12 @@
 
 use std::fmt::Write;
 
-use sinscal::effect;
-
 use crate::name::MARGIN;
 use crate::report::{Diagnosis, FoundEffect, Rival, Verdict};
 
 /// Component `i` of an effect in the unit of data sheets, to two digits of its standard deviation, and that where it is asked for.
 fn value(found: &FoundEffect, i: usize, value: f64, spread: bool) -> String {
-    let (unit, scale) =
-        effect(&found.name).map_or((found.unit.as_str(), 1.0), |e| (e.sheet_unit, e.sheet_scale));
+    let (unit, scale) = (&found.sheet_unit, found.sheet_scale);
     let (v, s) = (value / scale, found.sigma[i] / scale);
     let digits =
         if s > 0.0 && s.is_finite() { (1.0 - s.log10().floor()).clamp(0.0, 9.0) as usize } else { 3 };
@@ -25,8 +22,8 @@ fn value(found: &FoundEffect, i: usize, value: f64, spread: bool) -> String {
 /// One effect with its equation and its values.
 pub(crate) fn describe(found: &FoundEffect) -> String {
     let mut text = found.name.clone();
-    if let Some(effect) = effect(&found.name) {
-        let _ = write!(text, ", {}", effect.equation().trim_end_matches('.'));
+    if !found.equation.is_empty() {
+        let _ = write!(text, ", {}", found.equation.trim_end_matches('.'));
     }
     let values: Vec<String> =
         (0..found.estimate.len()).map(|i| value(found, i, found.estimate[i], true)).collect();

@@ -7,8 +7,6 @@ use crate::scene::Scene;
 
 /// Autocorrelations that are tested.
 const LAGS: usize = 10;
-/// Channels of the strapdown dynamics.
-const CHANNELS: usize = 9;
 
 /// The whitened innovations of a scene, without and with the groups `named` at what the log says of them.
 pub(crate) fn whiteness(scene: &Scene, named: &[usize]) -> Option<Whiteness> {
@@ -17,8 +15,8 @@ pub(crate) fn whiteness(scene: &Scene, named: &[usize]) -> Option<Whiteness> {
     let mean =
         if named.is_empty() { Vec::new() } else { scene.prices.posterior(named)?.0.as_slice().to_vec() };
     let nc = 1 + columns.len();
-    let mut before = vec![Vec::new(); CHANNELS];
-    let mut after = vec![Vec::new(); CHANNELS];
+    let mut before = vec![Vec::new(); recording.channels.len()];
+    let mut after = vec![Vec::new(); recording.channels.len()];
     run(recording, &recording.base(), &Recorded(&columns), &scene.noise, &mut |whitened| {
         for (row, channel) in whitened.rows.chunks_exact(nc).zip(&whitened.step.channel) {
             let shown: f64 = row[1..].iter().zip(&mean).map(|(s, m)| s * m).sum();

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use gap::{Log, Noise, Pricing};
 use rig::{Scenario, Simulation};
+use runs::Vocabulary;
 use sinscal::{Calibration, Sample, Sins36P};
 
 /// Prints the figures of docs/DIAGNOSIS.md; half a minute.
@@ -24,13 +25,16 @@ fn pricing_beside_one_pass() {
         timed.fold(f64::INFINITY, f64::min)
     };
     let pass = least(&mut || {
-        let mut calibration = Calibration::<Sins36P>::new(&setup);
+        let mut calibration = Calibration::<Sins36P>::new(&setup).expect("a sound setup");
         for sample in &samples {
             calibration.step(sample).unwrap();
         }
     });
-    let whole = least(&mut || assert!(Pricing::of::<Sins36P>(&log, Noise::STATED).is_ok()));
-    let mut prices = Pricing::of::<Sins36P>(&log, Noise::STATED).unwrap();
+    let vocabulary = Vocabulary::standard();
+    let filter = vocabulary.filter("36d-p").expect("a filter of the library");
+    let whole =
+        least(&mut || assert!(Pricing::of(&*filter, vocabulary.effects(), &log, Noise::STATED).is_ok()));
+    let mut prices = Pricing::of(&*filter, vocabulary.effects(), &log, Noise::STATED).unwrap();
     let pricing = least(&mut || prices.reprice(Noise::STATED).unwrap());
     let print = |what: &str, seconds: f64| println!("{what:58} {seconds:7.3} s {:6.2}", seconds / pass);
     println!("{} samples, {} effects; the last column in passes", samples.len(), prices.effects().count());

@@ -43,7 +43,7 @@ fn what_is_written_compiles_and_runs() {
     let scenario = rig::Scenario::parse("[motion]\npath = \"still\"\nduration = \"60 s\"").unwrap();
     let simulation = rig::Simulation::new(&scenario, 1).unwrap();
     let setup = simulation.description().setup(&[]);
-    let mut calibration = Calibration::<Filter>::new(&setup);
+    let mut calibration = Calibration::<Filter>::new(&setup).expect("a sound setup");
     for sample in simulation {
         calibration.step(&sample).unwrap();
     }

@@ -2,7 +2,8 @@
 
 use gap::{Log, Noise, Pricing};
 use rig::{Scenario, Simulation, TemperatureProfile};
-use sinscal::{Sample, Sins36P};
+use runs::Vocabulary;
+use sinscal::Sample;
 
 fn log() -> (Vec<Sample>, rig::Description) {
     let mut scenario = Scenario::default().with_rate(20.0).unwrap();
@@ -18,7 +19,11 @@ fn log() -> (Vec<Sample>, rig::Description) {
 fn prices_equal_the_augmented_filter() {
     let (samples, description) = log();
     let setup = description.setup(&[]);
-    let prices = Pricing::of::<Sins36P>(&Log { samples: &samples, setup: &setup }, Noise::STATED).unwrap();
+    let vocabulary = Vocabulary::standard();
+    let filter = vocabulary.filter("36d-p").expect("a filter of the library");
+    let prices =
+        Pricing::of(&*filter, vocabulary.effects(), &Log { samples: &samples, setup: &setup }, Noise::STATED)
+            .unwrap();
     let sets: &[&[&str]] = &[
         &["accel-delay"],
         &["inner-lever-arm"],

@@ -4,7 +4,8 @@ use gap::{Diagnosis, Log, Options, Verdict, diagnose};
 use nalgebra::{UnitQuaternion, Vector3};
 use rig::scenario::{Path, Population};
 use rig::{DitherMode, Scenario, Simulation, TemperatureProfile};
-use sinscal::{Sample, Setup, Sins36P, effect};
+use runs::Vocabulary;
+use sinscal::{Sample, Setup, Sins36P, any_effect};
 
 /// What is hidden from 36d-p, and the size of its first component, SI.
 const HIDDEN: [Option<(&str, f64)>; 4] =
@@ -102,9 +103,8 @@ fn log(odd: &Oddity, hidden: Option<(&str, f64)>, run: u64) -> (Vec<Sample>, rig
         vec![(0.0, 33.0), (500.0, 22.0), (1200.0, 36.0), (2000.0, 24.0)]
     });
     if let Some((name, size)) = hidden {
-        let effect = effect(name).unwrap();
-        let mean: Vec<f64> =
-            [1.0, -0.9, 0.6].into_iter().take(effect.components().len()).map(|k| k * size).collect();
+        let effect = any_effect(name).unwrap();
+        let mean: Vec<f64> = [1.0, -0.9, 0.6].into_iter().take(effect.dim()).map(|k| k * size).collect();
         scenario.population.retain(|p| p.effect.name() != name);
         scenario.population.push(Population { effect, sigma: vec![0.0; mean.len()], mean });
     }
@@ -124,7 +124,11 @@ fn diagnosed(odd: &Oddity, hidden: Option<(&str, f64)>) -> Diagnosis {
         setup
     });
     let options = Options { rerun: false, ..Options::default() };
-    diagnose::<Sins36P>(
+    let vocabulary = Vocabulary::standard();
+    let filter = vocabulary.filter("36d-p").unwrap();
+    diagnose(
+        &*filter,
+        vocabulary.effects(),
         &Log { samples: &first.0, setup: &here },
         Some(&Log { samples: &second.0, setup: &there }),
         &options,

@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn every_effect_has_units_and_the_sheets_unit_is_among_them() {
-        for effect in &sinscal::EFFECTS {
+        for effect in sinscal::EFFECTS {
             let units = of_parameters(effect.unit());
             assert!(!units.is_empty(), "{}", effect.name());
             let sheet = units.iter().find(|(name, _)| *name == effect.sheet_unit);

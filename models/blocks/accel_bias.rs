@@ -9,7 +9,6 @@ effect! {
     AccelBias {
         table: accel_bias,
         jacobian: input,
-        set: ACCEL_BIAS,
         needs: &[],
         prior: 1e-2,
         sheet: "ug" = MICRO_G,

@@ -10,9 +10,9 @@ effect! {
     AccelBiasDrift {
         table: accel_bias_drift,
         jacobian: input,
-        set: ACCEL_BIAS_DRIFT,
         needs: &[needs::ACCEL_BIAS],
         prior: 3e-7,
         sheet: "ug/h" = MICRO_G / HOUR,
+        kin: "accel-bias",
     }
 }

@@ -10,9 +10,9 @@ effect! {
     AccelCrossCoupling {
         table: accel_cross_coupling,
         jacobian: input,
-        set: ACCEL_CROSS_COUPLING,
         needs: &[needs::ACCELEROMETER],
         prior: 2e-5,
         sheet: "ug/g^2" = PPM / GRAVITY,
+        kin: "accel-scale",
     }
 }

@@ -11,9 +11,9 @@ effect! {
     AccelCubic {
         table: accel_cubic,
         jacobian: input,
-        set: ACCEL_CUBIC,
         needs: &[needs::ACCELEROMETER],
         prior: 2e-6,
         sheet: "ug/g^3" = PPM / (GRAVITY * GRAVITY),
+        kin: "accel-scale",
     }
 }

@@ -10,7 +10,6 @@ effect! {
     AccelMisalignment {
         table: accel_misalignment,
         jacobian: input,
-        set: ACCEL_MISALIGNMENT,
         needs: &[],
         prior: 1e-3,
         sheet: "arcsec" = ARCSEC,

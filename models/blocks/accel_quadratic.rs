@@ -10,9 +10,9 @@ effect! {
     AccelQuadratic {
         table: accel_quadratic,
         jacobian: input,
-        set: ACCEL_QUADRATIC,
         needs: &[],
         prior: 2e-5,
         sheet: "ug/g^2" = PPM / GRAVITY,
+        kin: "accel-scale",
     }
 }

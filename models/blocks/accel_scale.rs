@@ -9,7 +9,6 @@ effect! {
     AccelScale {
         table: accel_scale,
         jacobian: input,
-        set: ACCEL_SCALE,
         needs: &[],
         prior: 1e-3,
         sheet: "ppm" = PPM,

@@ -11,9 +11,9 @@ effect! {
     AccelScaleAsymmetry {
         table: accel_scale_asymmetry,
         jacobian: input,
-        set: ACCEL_SCALE_ASYMMETRY,
         needs: &[needs::ACCELEROMETER],
         prior: 1e-4,
         sheet: "ppm" = PPM,
+        kin: "accel-scale",
     }
 }

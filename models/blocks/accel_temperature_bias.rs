@@ -10,9 +10,9 @@ effect! {
     AccelTemperatureBias {
         table: accel_temperature_bias,
         jacobian: input,
-        set: ACCEL_TEMPERATURE_BIAS,
         needs: &[needs::ACCELEROMETER],
         prior: 1e-4,
         sheet: "ug/K" = MICRO_G,
+        kin: "accel-bias",
     }
 }

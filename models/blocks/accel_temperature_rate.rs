@@ -10,9 +10,9 @@ effect! {
     AccelTemperatureRate {
         table: accel_temperature_rate,
         jacobian: input,
-        set: ACCEL_TEMPERATURE_RATE,
         needs: &[needs::ACCELEROMETER],
         prior: 0.05,
         sheet: "ug/(K/min)" = 60.0 * MICRO_G,
+        kin: "accel-bias",
     }
 }

@@ -13,9 +13,9 @@ effect! {
     AccelTemperatureScale {
         table: accel_temperature_scale,
         jacobian: input,
-        set: ACCEL_TEMPERATURE_SCALE,
         needs: &[needs::ACCELEROMETER],
         prior: 5e-5,
         sheet: "ppm/K" = PPM,
+        kin: "accel-scale",
     }
 }

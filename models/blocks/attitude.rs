@@ -1,6 +1,5 @@
-use calib_core::{Block, BlockSet, BlockView, Real, StateInfo};
+use calib_core::{Block, BlockView, Real, StateInfo};
 
-use super::set;
 use super::units::ARCSEC;
 use crate::Strapdown;
 
@@ -18,13 +17,13 @@ impl Block for Attitude {
     type Dynamics = Strapdown;
     type View<'a, T: Real> = BlockView<'a, Self, T>;
 
+    const NAME: &'static str = "attitude";
     const DIM: usize = 3;
-    const SET: BlockSet = set::ATTITUDE;
 
     fn states(visit: &mut dyn FnMut(StateInfo)) {
         for &(component, prior_sigma) in &[("e", 1e-3), ("n", 1e-3), ("u", 5e-3)] {
             visit(StateInfo {
-                block: "attitude",
+                block: Self::NAME,
                 component,
                 unit: "rad",
                 prior_sigma,

@@ -1,7 +1,6 @@
-use calib_core::{Block, BlockSet, BlockView, Need, Real, StateInfo};
+use calib_core::{Block, BlockView, Need, Real, StateInfo};
 
-use super::set;
-use crate::Strapdown;
+use crate::{InnerLeverArm, Strapdown};
 
 /// The coupling of dither into the size effect: no states, what turns a P filter into a B filter.
 ///
@@ -20,10 +19,10 @@ impl Block for Dither {
     type Dynamics = Strapdown;
     type View<'a, T: Real> = BlockView<'a, Self, T>;
 
+    const NAME: &'static str = "dither";
     const DIM: usize = 0;
-    const SET: BlockSet = set::DITHER;
     const NEEDS: &'static [Need] = &[Need {
-        any_of: set::INNER_LEVER_ARM,
+        any_of: &[InnerLeverArm::NAME],
         message: "dither acts through the inner lever arm: declare `InnerLeverArm` beside it",
     }];
 

@@ -12,7 +12,6 @@ effect! {
     DitherSizeEffect {
         table: dither_size_effect,
         jacobian: input,
-        set: DITHER_SIZE_EFFECT,
         needs: &[],
         prior: 0.1,
         sheet: "mm" = MILLI,

@@ -3,17 +3,17 @@
 ///
 /// `table` is the module of [`tables`](crate::tables) that knows names, unit and Jacobian; `jacobian` is
 /// `input` for an error of the sensors and `measurement` for one of the reference; `sheet` is the unit of
-/// data sheets and its size in SI.
+/// data sheets and its size in SI; `kin` is the effect that its size goes with, if there is one.
 macro_rules! effect {
     (
         $(#[$doc:meta])*
         $name:ident {
             table: $table:ident,
             jacobian: $jacobian:ident,
-            set: $set:ident,
             needs: $needs:expr,
             prior: $prior:expr,
             sheet: $unit:literal = $scale:expr,
+            $(kin: $kin:literal,)?
         }
     ) => {
         $(#[$doc])*
@@ -24,8 +24,8 @@ macro_rules! effect {
             type Dynamics = $crate::Strapdown;
             type View<'a, T: calib_core::Real> = calib_core::BlockView<'a, Self, T>;
 
+            const NAME: &'static str = $crate::tables::$table::TABLE.name;
             const DIM: usize = $crate::tables::$table::TABLE.components.len();
-            const SET: calib_core::BlockSet = super::set::$set;
             const NEEDS: &'static [calib_core::Need] = $needs;
 
             fn states(visit: &mut dyn FnMut(calib_core::StateInfo)) {
@@ -35,13 +35,15 @@ macro_rules! effect {
             effect!(@jacobian $jacobian $table);
         }
 
+        impl calib_core::Counted for $name {
+            type States = calib_core::declare::Size<{ <$name as calib_core::Block>::DIM }>;
+        }
+
         impl $crate::Effect for $name {
-            const EFFECT: $crate::EffectInfo = $crate::EffectInfo {
-                table: $crate::tables::$table::TABLE,
-                prior_sigma: $prior,
-                sheet_unit: $unit,
-                sheet_scale: $scale,
-            };
+            const EFFECT: $crate::EffectInfo =
+                $crate::EffectInfo::tabled(&$crate::tables::$table::TABLE, $prior)
+                    .sheet($unit, $scale)
+                    $(.akin_to($kin))?;
         }
     };
     (@jacobian input $table:ident) => {

@@ -9,7 +9,6 @@ effect! {
     GyroBias {
         table: gyro_bias,
         jacobian: input,
-        set: GYRO_BIAS,
         needs: &[],
         prior: 0.5 * DEG_PER_HOUR,
         sheet: "deg/h" = DEG_PER_HOUR,

@@ -9,9 +9,9 @@ effect! {
     GyroBiasDrift {
         table: gyro_bias_drift,
         jacobian: input,
-        set: GYRO_BIAS_DRIFT,
         needs: &[],
         prior: 0.05 * DEG_PER_HOUR / HOUR,
         sheet: "deg/h/h" = DEG_PER_HOUR / HOUR,
+        kin: "gyro-bias",
     }
 }

@@ -9,9 +9,9 @@ effect! {
     GyroGSensitivity {
         table: gyro_g_sensitivity,
         jacobian: input,
-        set: GYRO_G_SENSITIVITY,
         needs: &[],
         prior: 0.5 * DEG_PER_HOUR / GRAVITY,
         sheet: "deg/h/g" = DEG_PER_HOUR / GRAVITY,
+        kin: "gyro-bias",
     }
 }

@@ -11,7 +11,6 @@ effect! {
     GyroMisalignment {
         table: gyro_misalignment,
         jacobian: input,
-        set: GYRO_MISALIGNMENT,
         needs: &[],
         prior: 1e-3,
         sheet: "arcsec" = ARCSEC,

@@ -10,9 +10,9 @@ effect! {
     GyroRateNonlinearity {
         table: gyro_rate_nonlinearity,
         jacobian: input,
-        set: GYRO_RATE_NONLINEARITY,
         needs: &[],
         prior: 3e-4,
         sheet: "ppm/(deg/s)" = PPM / DEGREE,
+        kin: "gyro-scale",
     }
 }

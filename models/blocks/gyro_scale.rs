@@ -9,7 +9,6 @@ effect! {
     GyroScale {
         table: gyro_scale,
         jacobian: input,
-        set: GYRO_SCALE,
         needs: &[],
         prior: 3e-4,
         sheet: "ppm" = PPM,

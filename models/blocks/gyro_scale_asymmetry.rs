@@ -10,9 +10,9 @@ effect! {
     GyroScaleAsymmetry {
         table: gyro_scale_asymmetry,
         jacobian: input,
-        set: GYRO_SCALE_ASYMMETRY,
         needs: &[],
         prior: 3e-5,
         sheet: "ppm" = PPM,
+        kin: "gyro-scale",
     }
 }

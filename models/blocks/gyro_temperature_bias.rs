@@ -9,9 +9,9 @@ effect! {
     GyroTemperatureBias {
         table: gyro_temperature_bias,
         jacobian: input,
-        set: GYRO_TEMPERATURE_BIAS,
         needs: &[],
         prior: 0.05 * DEG_PER_HOUR,
         sheet: "deg/h/K" = DEG_PER_HOUR,
+        kin: "gyro-bias",
     }
 }

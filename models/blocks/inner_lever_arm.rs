@@ -12,7 +12,6 @@ effect! {
     InnerLeverArm {
         table: inner_lever_arm,
         jacobian: input,
-        set: INNER_LEVER_ARM,
         needs: &[],
         prior: 0.1,
         sheet: "mm" = MILLI,

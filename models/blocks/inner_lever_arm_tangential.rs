@@ -16,7 +16,6 @@ effect! {
     InnerLeverArmTangential {
         table: inner_lever_arm_tangential,
         jacobian: input,
-        set: INNER_LEVER_ARM_TANGENTIAL,
         needs: &[],
         prior: 0.1,
         sheet: "mm" = MILLI,

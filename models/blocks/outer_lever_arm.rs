@@ -11,7 +11,6 @@ effect! {
     OuterLeverArm {
         table: outer_lever_arm,
         jacobian: measurement,
-        set: OUTER_LEVER_ARM,
         needs: &[],
         prior: 0.5,
         sheet: "mm" = MILLI,

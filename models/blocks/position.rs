@@ -1,6 +1,5 @@
-use calib_core::{Block, BlockSet, BlockView, Real, StateInfo};
+use calib_core::{Block, BlockView, Real, StateInfo};
 
-use super::set;
 use super::units::MILLI;
 use crate::Strapdown;
 
@@ -17,13 +16,13 @@ impl Block for Position {
     type Dynamics = Strapdown;
     type View<'a, T: Real> = BlockView<'a, Self, T>;
 
+    const NAME: &'static str = "position";
     const DIM: usize = 3;
-    const SET: BlockSet = set::POSITION;
 
     fn states(visit: &mut dyn FnMut(StateInfo)) {
         for &(component, prior_sigma) in &[("e", 0.1), ("n", 0.1), ("u", 0.1)] {
             visit(StateInfo {
-                block: "position",
+                block: Self::NAME,
                 component,
                 unit: "m",
                 prior_sigma,

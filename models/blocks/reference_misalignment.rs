@@ -11,7 +11,6 @@ effect! {
     ReferenceMisalignment {
         table: reference_misalignment,
         jacobian: measurement,
-        set: REFERENCE_MISALIGNMENT,
         needs: &[],
         prior: 1e-2,
         sheet: "arcsec" = ARCSEC,

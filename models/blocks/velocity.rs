@@ -1,6 +1,5 @@
-use calib_core::{Block, BlockSet, BlockView, Real, StateInfo};
+use calib_core::{Block, BlockView, Real, StateInfo};
 
-use super::set;
 use super::units::MILLI;
 use crate::Strapdown;
 
@@ -19,13 +18,13 @@ impl Block for Velocity {
     type Dynamics = Strapdown;
     type View<'a, T: Real> = BlockView<'a, Self, T>;
 
+    const NAME: &'static str = "velocity";
     const DIM: usize = 3;
-    const SET: BlockSet = set::VELOCITY;
 
     fn states(visit: &mut dyn FnMut(StateInfo)) {
         for &(component, prior_sigma) in &[("e", 1e-2), ("n", 1e-2), ("u", 1e-2)] {
             visit(StateInfo {
-                block: "velocity",
+                block: Self::NAME,
                 component,
                 unit: "m/s",
                 prior_sigma,

@@ -13,10 +13,10 @@ use crate::strapdown::NavigationState;
 const ESTIMATED: f64 = core::f64::consts::FRAC_1_SQRT_2;
 
 impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
-    /// Visits the parameters in the order of the declaration.
+    /// Visits the parameters in the order of the declaration; those of blocks that joined at run time by their own names.
     pub fn parameters(&self, visit: &mut dyn FnMut(Parameter)) {
         let mut i = 0;
-        F::states(&mut |info| {
+        self.setup.open.states_of::<F>(&mut |info| {
             if i >= F::Shape::CORE {
                 let sigma = self.kalman.sigma(i);
                 visit(Parameter {

@@ -5,17 +5,21 @@ mod known;
 mod update;
 
 use calib_core::{
-    Conventional, CoreVector, Fade, Filter, Form, Kalman, Shape, StateInfo, Transition, Vector,
+    Conventional, CoreVector, Fade, Filter, Form, Kalman, Relaxation, Shape, StateInfo, Transition, Vector,
+    first_state, relaxations, relaxing,
 };
 use nalgebra::{Matrix3, Vector3};
 
 pub use self::known::Known;
-use self::update::has_reference;
 use crate::compensation::Compensator;
 use crate::gate::Gate;
+use crate::measurements::{self, Measurement, Readings};
 use crate::outcome::{Diverged, Statistics, Update};
 use crate::strapdown::{Before, Increments, NavigationState};
-use crate::{Event, Observer, Point, Sample, Setup, Signals, Strapdown, earth};
+use crate::{
+    Event, Observer, OpenBlocks, OuterLeverArm, Point, Sample, Setup, SetupError, Signals, Strapdown, earth,
+    probe,
+};
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
 const STEP_ANGLE: f64 = 0.02;
@@ -23,8 +27,6 @@ const STEP_ANGLE: f64 = 0.02;
 const STEP_TIME: f64 = 0.1;
 /// Without a reference the covariance still moves at least this often, s.
 const PREDICT_TIME: f64 = 1.0;
-/// Standard deviation of the velocity at the first sample, m/s: the first update replaces it.
-const INITIAL_VELOCITY_SIGMA: f64 = 0.5;
 /// Standard deviation of the position at the first sample, m. Wide on purpose: the first position update then leaves
 /// exactly the correlation between position and outer lever arm that `p = p_ref - C l` implies.
 const INITIAL_POSITION_SIGMA: f64 = 10.0;
@@ -44,6 +46,7 @@ pub struct Calibration<F: Filter<Dynamics = Strapdown>, C: Form = Conventional> 
     density: CoreVector<F, f64>,
     parameters: Vector<F, f64>,
     prior: Vector<F, f64>,
+    relaxing: Vector<F, Relaxation<f64>>,
     lever_at: Option<usize>,
     /// Steers the navigation of a further pass: the same filter without any doubt of the parameters.
     pilot: Option<Kalman<F, f64, Known>>,
@@ -54,7 +57,9 @@ pub struct Calibration<F: Filter<Dynamics = Strapdown>, C: Form = Conventional> 
     time: Option<f64>,
     next_update: f64,
     step: Step,
+    turned: Turned,
     gate: Gate,
+    readings: Readings<F>,
     /// Where the error model was last linearised.
     at: Point<f64>,
     statistics: Statistics,
@@ -67,10 +72,14 @@ struct Scalars {
     rate: f64,
     site: crate::Site,
     initial: crate::InitialAttitude,
-    reference: crate::ReferenceSigma,
+    velocity: Vector3<f64>,
+    /// Whether a reading of the velocity is better than what is known at the beginning.
+    reads_velocity: bool,
     update_rate: f64,
+    angle_random_walk: f64,
     reference_temperature: f64,
     outer_lever: Vector3<f64>,
+    open: OpenBlocks,
 }
 
 /// What the samples since the last step of the leading dynamics add up to.
@@ -85,26 +94,44 @@ impl Step {
     const EMPTY: Self = Self { elapsed: 0.0, turned: 0.0, velocity_n: Vector3::new(0.0, 0.0, 0.0) };
 }
 
+/// By how much more than the readings of its rate say the body has turned, over the samples that have such readings.
+#[derive(Clone, Copy)]
+struct Turned {
+    angle: Vector3<f64>,
+    time: f64,
+}
+
+impl Turned {
+    const NOTHING: Self = Self { angle: Vector3::new(0.0, 0.0, 0.0), time: 0.0 };
+}
+
 impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
     /// A run that has seen nothing yet, with the priors of the setup and, where it names none, of the blocks.
-    pub fn new(setup: &Setup) -> Self {
-        Self::with_prior(setup, |_, _, sigma| sigma)
+    ///
+    /// # Errors
+    /// When the setup is wrong, or a block contradicts itself ([`Setup::check`]).
+    pub fn new(setup: &Setup) -> Result<Self, SetupError> {
+        setup.check::<F>()?;
+        Ok(Self::with_prior(setup, |_, _, sigma| sigma))
     }
 
     /// A run whose prior standard deviations go through `adjust(state, info, sigma)`; a parameter with zero takes no
-    /// part.
+    /// part. What the setup names and the filter does not have is passed over: [`Setup::check`] finds it.
+    ///
+    /// # Panics
+    /// When a block contradicts itself: the message is the [`Fault`](crate::Fault) that [`probe`](crate::probe()) returns.
     pub fn with_prior(setup: &Setup, mut adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
-        let mut prior = Kalman::<F, f64, C>::prior();
-        let mut lever_at = None;
+        if let Err(fault) = probe::<F>() {
+            panic!("{fault}");
+        }
+        let blocks = setup.open;
+        let mut prior = F::Shape::vector(0.0);
+        let mut relaxing = relaxing::<F, f64>();
         let mut i = 0;
-        F::states(&mut |info| {
-            if let Some((_, sigma)) = setup.priors.iter().find(|(name, _)| *name == info.block) {
-                prior[i] = *sigma;
-            }
-            if info.block == "outer-lever-arm" && lever_at.is_none() {
-                lever_at = Some(i);
-            }
+        blocks.states_of::<F>(&mut |info| {
+            prior[i] = setup.prior(info.block).unwrap_or(info.prior_sigma);
             prior[i] = adjust(i, &info, prior[i]);
+            relaxing[i] = setup.relaxation(info.block, prior[i], relaxing[i]);
             i += 1;
         });
         let initial = &setup.initial;
@@ -112,9 +139,9 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             initial.level_sigma,
             initial.level_sigma,
             initial.heading_sigma,
-            INITIAL_VELOCITY_SIGMA,
-            INITIAL_VELOCITY_SIGMA,
-            INITIAL_VELOCITY_SIGMA,
+            setup.velocity.sigma,
+            setup.velocity.sigma,
+            setup.velocity.sigma,
             INITIAL_POSITION_SIGMA,
             INITIAL_POSITION_SIGMA,
             INITIAL_POSITION_SIGMA,
@@ -133,31 +160,44 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             rate: setup.rate,
             site: setup.site,
             initial: setup.initial,
-            reference: setup.reference,
+            velocity: setup.velocity.velocity,
+            reads_velocity: setup.velocity.sigma > setup.sigma(&measurements::Velocity::INFO),
             update_rate: setup.update_rate,
+            angle_random_walk: setup.noise.angle_random_walk,
             reference_temperature: setup.reference_temperature,
             outer_lever: setup.outer_lever,
+            open: blocks,
         };
+        let mut navigation = NavigationState::at_rest(&setup.site, setup.initial.attitude);
+        navigation.velocity = setup.velocity.velocity;
         Self {
             kalman: Kalman::new(&prior),
             transition: Transition::new(),
             density,
             parameters: F::Shape::vector(0.0),
             prior,
-            lever_at,
+            relaxing,
+            lever_at: first_state::<F, OuterLeverArm>(),
             pilot: None,
-            compensator: Compensator::new(setup.reference_temperature),
-            navigation: NavigationState::at_rest(&setup.site, setup.initial.attitude),
+            compensator: Compensator::new(setup.reference_temperature).with_open(blocks),
+            navigation,
             before: Before::nothing(),
             previous_rate: Vector3::zeros(),
             time: None,
             next_update: f64::NEG_INFINITY,
             step: Step::EMPTY,
-            gate: Gate::NEW,
+            turned: Turned::NOTHING,
+            gate: Gate::new(F::MEASURES),
+            readings: Readings::new(setup),
             at: Point::default(),
             statistics: Statistics::default(),
             setup: scalars,
         }
+    }
+
+    /// How the states relax, by state; nothing for those that are constant.
+    pub fn relaxing(&self) -> &Vector<F, Relaxation<f64>> {
+        &self.relaxing
     }
 
     /// Begins another pass over the same log, linearised about the parameters found so far; the prior stays what it was.
@@ -177,12 +217,14 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         }
         self.pilot = Some(Kalman::new(&self.prior));
         self.transition.reset();
-        self.compensator = Compensator::new(self.setup.reference_temperature);
+        self.compensator = Compensator::new(self.setup.reference_temperature).with_open(self.setup.open);
         self.navigation = NavigationState::at_rest(&self.setup.site, self.setup.initial.attitude);
+        self.navigation.velocity = self.setup.velocity;
         self.before = Before::nothing();
         self.time = None;
         self.next_update = f64::NEG_INFINITY;
         self.step = Step::EMPTY;
+        self.turned = Turned::NOTHING;
         self.gate = self.gate.again();
         self.statistics = Statistics::default();
     }
@@ -200,9 +242,19 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         self.pilot = None;
     }
 
+    /// How the readings of the reference were spread so far.
+    pub fn gate(&self) -> Gate {
+        self.gate
+    }
+
     /// Judges the reference in the next pass by how its readings were spread in one of another filter over the same log.
+    pub fn judge_as(&mut self, gate: Gate) {
+        self.gate.adopt(&gate);
+    }
+
+    /// [`judge_as`](Self::judge_as) after the run of another filter.
     pub fn judge_after<G: Filter<Dynamics = Strapdown>, K: Form>(&mut self, before: &Calibration<G, K>) {
-        self.gate = before.gate;
+        self.judge_as(before.gate);
     }
 
     /// Takes in the next sample. Returns what the update found where there was one.
@@ -242,9 +294,18 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         }
         self.time = Some(sample.time);
         self.previous_rate = signals.rate;
+        match &sample.reference.rate {
+            Some(reading) => {
+                let earth = earth::rotation_n(self.navigation.latitude);
+                let rate_eb = signals.rate - self.navigation.c_bn().transpose() * earth;
+                self.turned.angle += (rate_eb - reading) * dt;
+                self.turned.time += dt;
+            }
+            None => self.turned = Turned::NOTHING,
+        }
 
         let wanted = sample.time >= self.next_update;
-        let residuals_due = wanted && has_reference(&sample.reference);
+        let residuals_due = wanted && sample.reference.is_read();
         if !residuals_due && self.transition.elapsed() + self.step.elapsed < PREDICT_TIME {
             return Ok(None);
         }
@@ -258,7 +319,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
 
     /// The first sample says where the run begins; its attitude is the initial one.
     fn begin(&mut self, sample: &Sample) {
-        if let Some(velocity) = sample.reference.velocity {
+        if let Some(velocity) = sample.reference.velocity.filter(|_| self.setup.reads_velocity) {
             self.navigation.velocity = velocity;
         }
         if let Some(position) = sample.reference.position {
@@ -301,14 +362,14 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             return;
         }
         let elapsed = self.transition.elapsed();
-        self.kalman.predict(&self.transition, &self.density);
+        self.kalman.predict_relaxing(&self.transition, &self.density, &self.relaxing);
         observer.observe::<C>(Event::Predicted { transition: &self.transition, density: &self.density });
         observer.observe(Event::Moved(&self.kalman));
-        F::relaxation(&mut |state, relaxation| {
-            self.parameters[state] *= Fade::over(relaxation, state, elapsed).keep;
+        relaxations::<F, f64>(|state, _| {
+            self.parameters[state] *= Fade::over(self.relaxing[state], state, elapsed).keep;
         });
         if let Some(pilot) = &mut self.pilot {
-            pilot.predict(&self.transition, &self.density);
+            pilot.predict_relaxing(&self.transition, &self.density, &self.relaxing);
         }
         self.transition.reset();
         self.feed_back(false, observer);
@@ -367,6 +428,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
                 - Vector3::z() * earth::gravity(navigation.latitude, navigation.height)
                 + c_bn * rate_eb.cross(&rate_eb.cross(&lever)),
             point_position: position + c_bn * lever,
+            open: self.setup.open,
         }
     }
 }

@@ -1,15 +1,25 @@
 //! What happens when the reference speaks: residuals, gate, update.
 
-use calib_core::{Array, Dynamics, Filter, Form, Residuals, Shape};
-use nalgebra::Vector3;
+use calib_core::{Array, Dynamics, Filter, Form, MeasurementVector, Residuals, Shape};
+use nalgebra::{ComplexField, Rotation3, Vector3};
 
-use super::Calibration;
+use super::{Calibration, Turned};
 use crate::gate::Verdict;
+use crate::measurements::channel;
 use crate::outcome::{Diverged, Update};
 use crate::{Event, Observer, Point, Reference, Refusal, Sample, Signals, Strapdown};
 
-/// First of the three leading states that each channel group measures: velocity, position, attitude.
-const MEASURED: [usize; 3] = [3, 6, 0];
+/// A rate carried on to the end of its interval is as noisy as the mean over so much of it: the squares of 3/2 and 1/2 make 5/2.
+const CARRIED_ON: f64 = 0.4;
+
+/// The leading state whose error a channel shows first of all.
+fn seen_state(channel: usize) -> Option<usize> {
+    match channel {
+        0..6 => Some(channel + 3),
+        6..9 => Some(channel - 6),
+        _ => None,
+    }
+}
 
 impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
     pub(super) fn update(
@@ -25,21 +35,15 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         }
         // half a sample of slack, so that rounding of the time stamps does not skip a reading
         self.next_update = sample.time + 1.0 / self.setup.update_rate - 0.5 / self.setup.rate;
-        let mut repeated = self.gate.repeats(&sample.reference);
-        for group in 0..Strapdown::CHANNELS.len() {
-            match F::MEASURES.iter().position(|measured| *measured == group) {
-                Some(measured) if repeated & 1 << group != 0 => residuals.leave_out(measured),
-                Some(_) => {}
-                None => repeated &= !(1 << group),
-            }
-        }
+        self.turned = Turned::NOTHING;
+        let repeated = self.repeats(&sample.reference, &mut residuals);
         self.statistics.repeated += repeated.count_ones() as usize;
         let diverged = |channel| Diverged { time: sample.time, channel };
         let rejected = self.judge(&at, signals, &mut residuals, observer).map_err(diverged)?;
-        for (groups, why) in [(repeated, Refusal::Repeated), (rejected, Refusal::Outlier)] {
-            for (bit, group) in Strapdown::CHANNELS.iter().enumerate() {
-                if groups & 1 << bit != 0 {
-                    observer.observe::<C>(Event::Refused { time: sample.time, group: group.name, why });
+        for (refused, why) in [(repeated, Refusal::Repeated), (rejected, Refusal::Outlier)] {
+            for (measured, info) in F::MEASURES.iter().enumerate() {
+                if refused & 1 << measured != 0 {
+                    observer.observe::<C>(Event::Refused { time: sample.time, group: info.name, why });
                 }
             }
         }
@@ -76,7 +80,20 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         }))
     }
 
-    /// Takes out of the residuals what the gate refuses, as bits of the dynamics' channel groups.
+    /// Takes readings that are no news out of the residuals; as bits by measurement.
+    fn repeats(&mut self, reference: &Reference, residuals: &mut Residuals<F, f64>) -> u32 {
+        let mut repeated = 0;
+        for measured in 0..F::MEASURES.len() {
+            let Some(reading) = self.readings.read(measured, reference) else { continue };
+            if self.gate.repeats(measured, &reading) {
+                repeated |= 1 << measured;
+                residuals.leave_out(measured);
+            }
+        }
+        repeated
+    }
+
+    /// Takes out of the residuals what the gate refuses; as bits by measurement.
     fn judge(
         &mut self,
         at: &Point<f64>,
@@ -91,40 +108,41 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         let gate = &mut self.gate;
         let sound = self.kalman.innovations(at, signals, residuals, |measured, nis| {
             next = measured + 1;
-            let group = F::MEASURES[measured];
             if !nis.is_finite() {
-                lost = lost.or(Some(Strapdown::CHANNELS[group].name));
+                lost = lost.or(Some(F::MEASURES[measured].name));
             }
-            match gate.judge(group, nis) {
+            match gate.judge(measured, nis) {
                 Verdict::Use => {}
-                Verdict::Refuse => rejected |= 1 << group,
-                Verdict::Reopen => reopened |= 1 << group,
+                Verdict::Refuse => rejected |= 1 << measured,
+                Verdict::Reopen => reopened |= 1 << measured,
             }
         });
         if sound.is_err() || lost.is_some() {
-            // the group that was not reached is the one whose covariance broke down
-            let mut rest = F::MEASURES[next..].iter().map(|group| &Strapdown::CHANNELS[*group]);
-            let broken = rest.find(|group| F::row(group.first).is_some_and(|row| residuals.is_present(row)));
-            return Err(lost.or(broken.map(|group| group.name)).unwrap_or("the reference"));
+            // the measurement that was not reached is the one whose covariance broke down
+            let broken = (next..F::MEASURES.len()).find(|k| F::rows(*k).any(|row| residuals.is_present(row)));
+            return Err(lost.or(broken.map(|k| F::MEASURES[k].name)).unwrap_or("the reference"));
         }
-        for (measured, group) in F::MEASURES.iter().enumerate() {
-            if rejected & 1 << group != 0 {
+        for measured in 0..F::MEASURES.len() {
+            if rejected & 1 << measured != 0 {
                 residuals.leave_out(measured);
             }
-            if reopened & 1 << group != 0 {
+            if reopened & 1 << measured != 0 {
                 self.statistics.reopened += 1;
-                self.open(MEASURED[*group], observer);
+                self.open(measured, at, observer);
             }
         }
         Ok(rejected)
     }
 
-    /// Opens three leading states as wide as they were at the first sample.
-    fn open(&mut self, first: usize, observer: &mut impl Observer<F>) {
+    /// Opens the leading states that a measurement sees as wide as they were at the first sample.
+    fn open(&mut self, measured: usize, at: &Point<f64>, observer: &mut impl Observer<F>) {
         let mut variances = F::Shape::core_vector(0.0);
-        for i in first..first + 3 {
-            variances[i] = self.prior[i] * self.prior[i];
-        }
+        let (rows, prior) = (F::rows(measured), &self.prior);
+        F::residual_jacobian(at, &mut |row, channel, slope| {
+            if let Some(state) = seen_state(channel).filter(|_| rows.contains(&row) && slope != 0.0) {
+                variances[state] = prior[state] * prior[state];
+            }
+        });
         self.kalman.widen(&variances);
         if let Some(pilot) = &mut self.pilot {
             pilot.widen(&variances);
@@ -133,39 +151,65 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         observer.observe(Event::Moved(&self.kalman));
     }
 
-    /// Residuals `computed - reference`, by the estimates of the blocks that act on the measurement.
+    /// Residuals `computed - read`, by the estimates of the blocks that act on the measurement.
     fn residuals(&self, reference: &Reference, at: &Point<f64>) -> Residuals<F, f64> {
-        let mut expected = [0.0; 9];
+        let seen = self.seen(reference, at);
+        let noise = self.rate_noise(&seen);
+        let mut residuals = Residuals::<F, f64>::default();
+        for measured in 0..F::MEASURES.len() {
+            let Some(reading) = self.readings.read(measured, reference) else { continue };
+            let first = F::rows(measured).start;
+            let count = F::MEASURES[measured].columns.len();
+            F::residual(measured, &seen, &reading[..count], &mut |row, z| {
+                let (sigma, noise) = (self.readings.sigma(measured, row, reference), noise[first + row]);
+                let sigma = if noise > 0.0 { ComplexField::sqrt(sigma * sigma + noise) } else { sigma };
+                residuals.set(first + row, z, sigma);
+            });
+        }
+        residuals
+    }
+
+    /// Variances of the rows by the random walk of the gyros, which is in the rate as it is seen.
+    fn rate_noise(&self, seen: &Point<f64>) -> MeasurementVector<F, f64> {
+        let time = if self.turned.time > 0.0 { self.turned.time } else { CARRIED_ON / self.setup.rate };
+        let mut noise = F::Shape::measurement(0.0);
+        F::residual_jacobian(seen, &mut |row, channel, slope| {
+            if channel >= channel::RATE {
+                noise[row] +=
+                    slope * slope * self.setup.angle_random_walk * self.setup.angle_random_walk / time;
+            }
+        });
+        noise
+    }
+
+    /// What the reference should see: the point `at` with the effects of the blocks that act on channels, and with the rate since
+    /// the last update where it is measured.
+    fn seen(&self, reference: &Reference, at: &Point<f64>) -> Point<f64> {
+        let mut expected = [0.0; Strapdown::CHANNELS];
         // the direct effect of a block's estimate is minus that of its remaining error; the first guess of the lever arm
         // is no state and stands in `point_velocity` and `point_position`
         F::measurement_jacobian(at, &mut |channel, state, value| {
             expected[channel] -= value * self.parameters[state];
         });
         let expected = |first: usize| Vector3::new(expected[first], expected[first + 1], expected[first + 2]);
-        let mut residuals = Residuals::<F, f64>::default();
         let guess = at.c_bn * self.setup.outer_lever;
         let guess_velocity = at.c_bn * at.rate_eb.cross(&self.setup.outer_lever);
-        let sigma = &self.setup.reference;
-        let mut set = |first: usize, z: Vector3<f64>, sigma: f64| {
-            for i in 0..3 {
-                residuals.set(first + i, z[i], sigma);
-            }
+        let turn = expected(channel::ATTITUDE);
+        let rate_eb = match &reference.rate {
+            Some(reading) if self.turned.time > 0.0 => reading + self.turned.angle / self.turned.time,
+            _ => at.rate_eb,
         };
-        if let Some(velocity) = reference.velocity {
-            set(0, at.velocity + guess_velocity + expected(0) - velocity, sigma.velocity);
+        Point {
+            point_velocity: at.velocity + guess_velocity + expected(channel::VELOCITY),
+            point_position: at.position + guess + expected(channel::POSITION),
+            c_bn: if turn == Vector3::zeros() {
+                at.c_bn
+            } else {
+                // C_pred = (I - [z x]) C
+                Rotation3::from_scaled_axis(-turn).into_inner() * at.c_bn
+            },
+            rate_eb: rate_eb + expected(channel::RATE),
+            ..*at
         }
-        if let Some(position) = reference.position {
-            set(3, at.position + guess + expected(3) - position, sigma.position);
-        }
-        if let Some(attitude) = &reference.attitude {
-            // C_hat = (I - [z x]) C_ref
-            let z = -(self.navigation.attitude * attitude.inverse()).scaled_axis();
-            set(6, z + expected(6), sigma.attitude);
-        }
-        residuals
     }
-}
-
-pub(super) fn has_reference(reference: &Reference) -> bool {
-    reference.velocity.is_some() || reference.position.is_some() || reference.attitude.is_some()
 }

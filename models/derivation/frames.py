@@ -28,6 +28,7 @@ class Signals:
     rate = _vector(SIGNALS, "w", "xyz", "rate")
     angular_acceleration = _vector(SIGNALS, "wd", "xyz", "angular_acceleration")
     force = _vector(SIGNALS, "f", "xyz", "force")
+    force_rate = _vector(SIGNALS, "fd", "xyz", "force_rate")  # its derivative as the body sees it
     temperature = _vector(SIGNALS, "t", "xyz", "temperature")  # at each accelerometer, minus the reference
     temperature_rate = _vector(SIGNALS, "td", "xyz", "temperature_rate")
     gyro_temperature = _vector(SIGNALS, "tg", "xyz", "gyro_temperature")  # at each gyro, minus the reference

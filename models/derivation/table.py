@@ -16,7 +16,7 @@ PAPER = "doi:10.3390/s22010278"
 RATE, FORCE = 0, 3  # first row of a sensor's input among the six sensor inputs
 INPUTS = ["d_omega_x", "d_omega_y", "d_omega_z", "d_f_x", "d_f_y", "d_f_z"]
 STATES = ["phi_e", "phi_n", "phi_u", "dv_e", "dv_n", "dv_u", "dp_e", "dp_n", "dp_u"]
-CHANNELS = ["z_v_e", "z_v_n", "z_v_u", "z_p_e", "z_p_n", "z_p_u", "z_a_e", "z_a_n", "z_a_u"]
+CHANNELS = ["z_v_e", "z_v_n", "z_v_u", "z_p_e", "z_p_n", "z_p_u", "z_a_e", "z_a_n", "z_a_u", "z_r_x", "z_r_y", "z_r_z"]
 
 
 @dataclass

@@ -19,14 +19,14 @@ pub use pilot::{Pilot, pilot, pilot_of};
 
 #[cfg(feature = "std")]
 use calib_core::Conventional;
-use calib_core::{Filter, Shape, Vector};
+use calib_core::{Filter, Shape, Vector, first_state, leaves};
 use nalgebra::{ComplexField, Vector3};
 
 use crate::compensation::Compensator;
 use crate::strapdown::{Before, NavigationState};
 #[cfg(feature = "std")]
 use crate::{Calibration, Diverged, Smoother};
-use crate::{Sample, Setup, Site, StateInfo, Strapdown};
+use crate::{OuterLeverArm, Sample, Setup, Site, StateInfo, Strapdown};
 
 /// One nautical mile, m.
 pub const NAUTICAL_MILE: f64 = 1852.0;
@@ -42,17 +42,17 @@ pub fn parameters_of<F: Filter<Dynamics = Strapdown>>(
 ) -> Vector<F, f64> {
     let mut parameters = F::Shape::vector(0.0);
     let mut i = 0;
-    let mut axis = 0;
     F::states(&mut |info| {
         if i >= F::Shape::CORE {
             parameters[i] = value(&info).unwrap_or(0.0);
-            if info.block == "outer-lever-arm" {
-                parameters[i] -= setup.outer_lever[axis];
-                axis += 1;
-            }
         }
         i += 1;
     });
+    if let Some(first) = first_state::<F, OuterLeverArm>() {
+        for axis in 0..3 {
+            parameters[first + axis] -= setup.outer_lever[axis];
+        }
+    }
     parameters
 }
 
@@ -67,7 +67,7 @@ pub struct Alignment<F: Filter<Dynamics = Strapdown>> {
 impl<F: Filter<Dynamics = Strapdown>> Alignment<F> {
     /// Begins at the first sample.
     pub fn new(setup: &Setup, parameters: &Vector<F, f64>) -> Self {
-        let mut run = std::boxed::Box::new(Calibration::new(setup));
+        let mut run = std::boxed::Box::new(Calibration::with_prior(setup, |_, _, sigma| sigma));
         run.begin_known(parameters);
         Self { run, smoother: Smoother::default() }
     }
@@ -118,24 +118,25 @@ pub struct FreeInertial<F: Filter<Dynamics = Strapdown>> {
 }
 
 impl<F: Filter<Dynamics = Strapdown>> FreeInertial<F> {
-    /// A run that begins at the first sample, at rest with the initial attitude.
+    /// A run that begins at the first sample, with the initial attitude and velocity.
     pub fn new(setup: &Setup, parameters: &Vector<F, f64>) -> Self {
         let mut lever = setup.outer_lever;
-        let (mut i, mut axis) = (0, 0);
-        F::states(&mut |info| {
-            if info.block == "outer-lever-arm" {
-                // a filter extended by a second such block has the sum of both
-                lever[axis % 3] += parameters[i];
-                axis += 1;
+        leaves::<F>(|leaf| {
+            // a filter extended by a second such block has the sum of both
+            if leaf.is::<OuterLeverArm>() {
+                for axis in 0..3 {
+                    lever[axis] += parameters[leaf.first + axis];
+                }
             }
-            i += 1;
         });
+        let mut navigation = NavigationState::at_rest(&setup.site, setup.initial.attitude);
+        navigation.velocity = setup.velocity.velocity;
         Self {
             parameters: parameters.clone(),
             site: setup.site,
             lever,
-            compensator: Compensator::new(setup.reference_temperature),
-            navigation: NavigationState::at_rest(&setup.site, setup.initial.attitude),
+            compensator: Compensator::new(setup.reference_temperature).with_open(setup.open),
+            navigation,
             before: Before::nothing(),
             nominal: 1.0 / setup.rate,
             start: f64::NEG_INFINITY,

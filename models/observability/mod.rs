@@ -20,10 +20,11 @@ mod information;
 mod segments;
 
 use calib_core::{
-    Array, Decomposition, Filter, Measurement, ObservabilityRows, Shape, Triangle, Vector, restrict,
+    Array, Decomposition, Dynamics, Filter, MeasurementVector, ObservabilityRows, Shape, Triangle, Vector,
+    relaxes,
 };
 
-use crate::{Calibration, Conventional, Setup, Strapdown};
+use crate::{Calibration, Conventional, OpenBlocks, Point, Relaxation, Setup, Signals, Strapdown};
 
 #[cfg(feature = "std")]
 pub use directions::{Direction, basis};
@@ -42,28 +43,29 @@ pub const EXCITED: f64 = 10.0;
 /// Stacks the observability rows of segments.
 pub struct Observability<F: Filter<Dynamics = Strapdown>> {
     prior: Vector<F, f64>,
-    noise: Measurement<F, f64>,
+    relaxing: Vector<F, Relaxation<f64>>,
+    noise: MeasurementVector<F, f64>,
+    open: OpenBlocks,
     triangle: Triangle<F::Shape, f64>,
 }
 
 impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
-    /// Nothing seen yet; priors and measurement noise are those of the setup.
+    /// Nothing seen yet; priors, correlation times and measurement noise are those of the setup.
     pub fn new(setup: &Setup) -> Self {
         let mut noise = F::Shape::measurement(1.0);
-        let reference = &setup.reference;
-        for (first, sigma) in [(0, reference.velocity), (3, reference.position), (6, reference.attitude)] {
-            for channel in first..first + 3 {
-                if let Some(row) = F::row(channel) {
-                    noise[row] = sigma;
-                }
+        for (measured, info) in F::MEASURES.iter().enumerate() {
+            for row in F::rows(measured) {
+                noise[row] = setup.sigma(info);
             }
         }
-        let p = Calibration::<F, Conventional>::new(setup).covariance();
+        let run = Calibration::<F, Conventional>::with_prior(setup, |_, _, sigma| sigma);
+        let p = run.covariance();
         let mut prior = F::Shape::vector(0.0);
         for i in 0..F::Shape::STATES {
             prior[i] = nalgebra::ComplexField::sqrt(p[i][i]);
         }
-        Self { prior, noise, triangle: Triangle::default() }
+        let relaxing = run.relaxing().clone();
+        Self { prior, relaxing, noise, open: setup.open, triangle: Triangle::default() }
     }
 
     /// Appends the rows of a segment.
@@ -71,10 +73,16 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
     /// The powers go to the number C of leading states: every higher one is a combination of these (Cayley and Hamilton; the
     /// parameters' part of F is zero). With parameters that relax all N are taken.
     pub fn add(&mut self, segment: &Segment) {
-        let mut signals = segment.signals;
-        restrict::<F, f64>(&mut signals);
-        let mut rows = ObservabilityRows::<F, f64>::new(&segment.point, &signals, segment.duration);
-        let powers = if F::RELAXES { F::Shape::STATES } else { F::Shape::CORE };
+        let mut signals = Signals { open: self.open, ..segment.signals };
+        if !self.open.couples_dither() {
+            signals.coupled_dither.fill(0.0);
+        }
+        Strapdown::restrict::<F, f64>(&mut signals);
+        let point = Point { open: self.open, ..segment.point };
+        let relaxing = self.relaxing.clone();
+        let mut rows =
+            ObservabilityRows::<F, f64>::with_relaxing(&point, &signals, relaxing, segment.duration);
+        let powers = if relaxes::<F>() { F::Shape::STATES } else { F::Shape::CORE };
         let mut factorial = 1.0;
         for k in 0..=powers {
             if k > 0 {
@@ -89,6 +97,14 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
                 self.triangle.append(&row);
             }
         }
+    }
+
+    /// Takes a state for known: a row that it alone moves, by twice the tolerance. What is decomposed then has a singular value for it
+    /// that says nothing of the data.
+    pub fn know(&mut self, state: usize) {
+        let mut row = F::Shape::vector(0.0);
+        row[state] = 2.0 * TOLERANCE;
+        self.triangle.append(&row);
     }
 
     /// Takes in what another one has stacked.

@@ -35,6 +35,9 @@ pub struct Segment {
 
 /// Cuts a log into [`Segment`]s, sample by sample.
 ///
+/// Made for a unit that is turned about a place of its own: velocity is zero, the specific force changes in b by turning alone, and
+/// what linear acceleration shows of a delay is not counted.
+///
 /// The attitude is that of the gyros from the initial one on, or the reference's where there is one; sensor errors hardly
 /// matter for where the system is linearised.
 #[derive(Clone, Debug)]
@@ -129,8 +132,7 @@ impl Segmenter {
     /// Begins at the first sample of a log.
     pub fn new(setup: &Setup) -> Self {
         let prior = |name: &str| {
-            let given = setup.priors.iter().find(|(effect, _)| *effect == name).map(|(_, sigma)| *sigma);
-            given.or_else(|| crate::effect(name).map(|effect| effect.prior_sigma)).unwrap_or(0.0)
+            setup.prior(name).or_else(|| crate::effect(name).map(|effect| effect.prior_sigma)).unwrap_or(0.0)
         };
         let noise = setup.noise.angle_random_walk / ComplexField::sqrt(BLOCK);
         Self {
@@ -205,16 +207,19 @@ impl Segmenter {
         let rate = sums.turn / time;
         let site = NavigationState::<f64>::at_rest(&self.site, attitude);
         let dither = sums.dither / time;
+        let force = c_bn.transpose() * force_n;
         let signals = Signals {
             rate,
             angular_acceleration: (sums.last_rate - sums.first_rate) / time,
-            force: c_bn.transpose() * force_n,
+            force,
+            force_rate: force.cross(&rate),
             temperature: sums.temperature / time,
             temperature_rate: sums.temperature_rate / time,
             gyro_temperature: sums.gyro_temperature / time,
             dither,
             coupled_dither: dither,
             time: sums.since / time,
+            ..Signals::default()
         };
         let rate_eb = rate - c_bn.transpose() * earth::rotation_n(self.site.latitude);
         let point = Point {
@@ -229,6 +234,7 @@ impl Segmenter {
             point_velocity: c_bn * rate_eb.cross(&self.lever),
             point_acceleration: c_bn * rate_eb.cross(&rate_eb.cross(&self.lever)),
             point_position: Vector3::zeros(),
+            ..Point::default()
         };
         Segment { start: sums.start, duration: time, turning, signals, point }
     }

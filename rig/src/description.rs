@@ -55,15 +55,11 @@ impl Description {
     /// What a calibration of the log needs, with standard deviations that replace the priors of blocks.
     pub fn setup<'a>(&self, priors: &'a [(&'a str, f64)]) -> Setup<'a> {
         Setup {
-            rate: self.rate,
-            site: self.site,
-            initial: self.initial,
-            reference: self.reference,
             update_rate: self.update_rate,
-            noise: self.noise,
             reference_temperature: self.reference_temperature,
             outer_lever: self.outer_lever,
             priors,
+            ..Setup::new(self.rate, self.site, self.initial, self.reference, self.noise)
         }
     }
 

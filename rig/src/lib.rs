@@ -20,8 +20,8 @@
 //! when [`Description::readings`] says so, its attitude when [`Description::attitude`] does, the dither's when [`Description::dither`]
 //! does; absent readings are NaN.
 //!
-//! This crate does no input or output, and shares with the filters only the Earth, the catalogue of names and the types of a
-//! sample: the errors of the sensors are written out anew.
+//! This crate does no input or output. It knows effects as objects ([`AnyEffect`](sinscal::AnyEffect)), those of the catalogue and
+//! your own ([`Scenario::parse_with`]), and shares no other code with the filters but the Earth and the types of a sample.
 
 pub mod analyses;
 mod description;

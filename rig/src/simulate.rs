@@ -1,7 +1,7 @@
 //! The simulation: a stream of samples.
 
 use nalgebra::{UnitQuaternion, Vector3};
-use sinscal::{Reference, ReferenceSigma, Sample, SensorNoise};
+use sinscal::{Point, Reference, ReferenceSigma, Sample, SensorNoise, Signals};
 
 use crate::description::Description;
 use crate::dither::FullDither;
@@ -11,7 +11,7 @@ use crate::motion::{Centre, Motion, Rotation};
 use crate::noise::Noise;
 use crate::random::{Seed, Stream};
 use crate::scenario::{DitherMode, Scenario, ScenarioError};
-use crate::sensors::{Conditions, Errors};
+use crate::sensors::Sensors;
 use crate::truth::Truth;
 
 /// Nodes and weights of Gauss and Legendre's quadrature of three points over an interval of length one.
@@ -37,7 +37,9 @@ pub struct Simulation {
     rigid: bool,
     panels: u32,
     place: Place,
-    errors: Errors,
+    sensors: Sensors,
+    /// Whether some effect is not one of the catalogue: it may depend on the change of the specific force.
+    own: bool,
     /// Delay of the accelerometers, s.
     delay: f64,
     temperatures: Temperatures,
@@ -82,7 +84,9 @@ impl Simulation {
         let (motion, _) = scenario.motion.build(&scenario.table);
         let table = scenario.table;
         let place = Place::new(&scenario.site, truth.vector("outer-lever-arm"));
-        let errors = Errors::new(&truth);
+        let effects = scenario.population.iter().map(|population| population.effect);
+        let own = effects.clone().any(|effect| sinscal::effect(effect.name()).is_none());
+        let sensors = Sensors::new(&truth, effects);
         let every = |part: f64| (scenario.rate / part).round().max(1.0) as u64;
         let (first, _) = table.apply(&motion, dt);
         let plan = &scenario.reference;
@@ -126,7 +130,7 @@ impl Simulation {
             next: 0,
             rigid: table.is_rigid(),
             panels: scenario.panels(),
-            dither: Dither::new(scenario, &errors, seed),
+            dither: Dither::new(scenario, &sensors, seed),
             temperatures: Temperatures::new(&scenario.temperature, seed, dt),
             temperature_every: every(scenario.temperature.rate),
             gyro_noise: Noise::new(&scenario.gyro, seed, "gyro", dt),
@@ -137,7 +141,8 @@ impl Simulation {
             motion,
             table,
             place,
-            errors,
+            sensors,
+            own,
             reference,
         })
     }
@@ -179,63 +184,105 @@ impl Simulation {
         }
     }
 
+    /// Derivative of the specific force in b at time `t`, m/s^3, by differences of fourth order.
+    fn force_rate(&self, t: f64) -> Vector3<f64> {
+        let slope = |h: f64| (self.felt(t + h).force - self.felt(t - h).force) / (2.0 * h);
+        let h = 0.1 * self.dt;
+        (slope(0.5 * h) * 4.0 - slope(h)) / 3.0
+    }
+
     /// Integrals of what gyros and accelerometers read over interval `k`, without noise.
     fn increments(&self, k: u64, dither: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let start = k as f64 / self.rate;
         let (mut dtheta, mut dvel) = (Vector3::zeros(), Vector3::zeros());
         let temperature_rate = Vector3::repeat(self.temperatures.rate());
-        let conditions = |felt: Felt, t: f64| {
+        let signals = |t: f64| {
+            let felt = self.felt(t);
             let (temperature, gyro_temperature) = self.temperatures.at((t - start) / self.dt);
-            Conditions {
-                felt,
+            Signals {
+                rate: felt.rate,
+                angular_acceleration: felt.angular_acceleration,
+                force: felt.force,
+                force_rate: if self.own { self.force_rate(t) } else { Vector3::zeros() },
                 temperature,
                 temperature_rate,
                 gyro_temperature,
                 dither: *dither,
+                coupled_dither: *dither,
                 // since the first sample, which ends the first interval
                 time: t - self.dt,
+                ..Signals::default()
             }
         };
         let part = self.dt / f64::from(self.panels);
         for panel in 0..self.panels {
             for (node, weight) in NODES {
                 let t = start + (f64::from(panel) + node) * part;
-                let now = conditions(self.felt(t), t);
-                dtheta += self.errors.gyros(&now) * weight;
+                let now = signals(t);
+                dtheta += self.sensors.gyros(&now) * weight;
                 let felt = if self.delay == 0.0 {
                     now
                 } else {
                     let earlier = t - self.delay;
-                    conditions(self.felt(earlier), earlier)
+                    signals(earlier)
                 };
-                dvel += self.errors.accelerometers(&felt) * weight;
+                dvel += self.sensors.accelerometers(&felt) * weight;
             }
         }
         (dtheta * part, dvel * part)
     }
 
+    /// What the errors of the reference depend on at time `t`.
+    fn point(&self, t: f64) -> Point<f64> {
+        let (rotation, centre) = self.motion(t);
+        let (position, velocity) = self.place.position(&rotation, &centre);
+        let site = self.description.site;
+        Point {
+            c_bn: rotation.c_bn,
+            velocity,
+            latitude: site.latitude,
+            height: site.height,
+            position,
+            force_n: rotation.c_bn * self.place.felt(&rotation, &centre).force,
+            rate_eb: rotation.rate,
+            lever: self.place.lever,
+            point_velocity: centre.velocity,
+            point_acceleration: centre.acceleration,
+            point_position: centre.position,
+            ..Point::default()
+        }
+    }
+
     fn reference(&mut self, time: f64) -> Reference {
-        let (rotation, centre) = self.motion(time - self.reference.delay);
+        let shown = time - self.reference.delay;
+        let (rotation, centre) = self.motion(shown);
+        let [velocity_error, position_error, attitude_error] = if self.sensors.reference_errs() {
+            self.sensors.reference(&self.point(shown))
+        } else {
+            [Vector3::zeros(); 3]
+        };
         let reference = &mut self.reference;
         let velocity = reference.noise.normals() * reference.sigma.velocity;
         let position = reference.noise.normals() * reference.sigma.position;
         let attitude = reference.attitude.then(|| {
             let noise = reference.attitude_noise.normals() * reference.sigma.attitude;
             reference.tilt
-                * UnitQuaternion::from_scaled_axis(noise)
+                // C_read = (I - [e x]) C
+                * UnitQuaternion::from_scaled_axis(noise - attitude_error)
                 * rotation.attitude()
                 * reference.misalignment
         });
         Reference {
-            velocity: Some(reference.tilt * centre.velocity + velocity),
-            position: Some(reference.tilt * centre.position + position),
+            velocity: Some(reference.tilt * centre.velocity + (velocity + velocity_error)),
+            position: Some(reference.tilt * centre.position + (position + position_error)),
             attitude,
+            ..Reference::default()
         }
     }
 }
 
 impl Dither {
-    fn new(scenario: &Scenario, errors: &Errors, seed: Seed) -> Self {
+    fn new(scenario: &Scenario, sensors: &Sensors, seed: Seed) -> Self {
         let plan = &scenario.dither;
         let spread = Stream::new(seed.unit, "dither/amplitudes").normals();
         let mut random = Stream::in_run(seed, "dither/phases");
@@ -248,7 +295,7 @@ impl Dither {
         });
         let full = amplitudes.as_ref().filter(|_| plan.mode == DitherMode::Full).map(|amplitudes| {
             let steps = (plan.simulation_rate / scenario.rate).round().max(1.0) as usize;
-            FullDither::new(plan, amplitudes, errors.arms(), steps, seed, 1.0 / scenario.rate)
+            FullDither::new(plan, amplitudes, sensors.arms(), steps, seed, 1.0 / scenario.rate)
         });
         Self {
             amplitudes,
@@ -317,7 +364,7 @@ impl Iterator for Simulation {
             None => Reference {
                 velocity: Some(Vector3::zeros()),
                 position: Some(Vector3::zeros()),
-                attitude: None,
+                ..Reference::default()
             },
         };
         Some(Sample { time, dtheta, dvel, temperature, gyro_temperature, dither, reference })

@@ -12,12 +12,14 @@ use sinscal::{EffectInfo, StateInfo};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Truth {
     values: BTreeMap<&'static str, Vec<f64>>,
+    components: BTreeMap<&'static str, &'static [&'static str]>,
 }
 
 impl Truth {
     /// Sets the parameters of an effect.
     pub fn insert(&mut self, effect: &'static EffectInfo, values: Vec<f64>) {
         self.values.insert(effect.name(), values);
+        self.components.insert(effect.name(), effect.components());
     }
 
     /// Parameters by the names of the effects.
@@ -37,8 +39,10 @@ impl Truth {
 
     /// The true value of a filter's parameter state; zero when the unit does not have the effect.
     pub fn of(&self, state: &StateInfo) -> f64 {
-        let component = sinscal::effect(state.block)
-            .and_then(|effect| effect.components().iter().position(|name| *name == state.component));
+        let component = self
+            .components
+            .get(state.block)
+            .and_then(|components| components.iter().position(|name| *name == state.component));
         component.map_or(0.0, |i| self.value(state.block, i))
     }
 

@@ -1,6 +1,7 @@
 //! Attributes, to keys and values. A mistake in one key does not hide the others.
 
-use proc_macro2::{Ident, TokenTree};
+use proc_macro2::{Ident, TokenStream, TokenTree};
+use quote::ToTokens;
 use syn::ext::IdentExt;
 use syn::parse::{Parse, ParseStream, Parser};
 use syn::token::Paren;
@@ -16,14 +17,15 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
+    const ALL: [Self; 2] = [Kind::Filter, Kind::Group];
+
     fn of(path: &Path) -> Option<Self> {
-        if path.is_ident("filter") {
-            Some(Kind::Filter)
-        } else if path.is_ident("group") {
-            Some(Kind::Group)
-        } else {
-            None
-        }
+        Self::ALL.into_iter().find(|kind| path.is_ident(kind.keyword()))
+    }
+
+    /// The kind of an attribute that rustc reports as unknown: what was meant is not missing too.
+    fn meant(path: &Path) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| misspells(path, kind.keyword()))
     }
 
     fn keyword(self) -> &'static str {
@@ -41,10 +43,64 @@ impl Kind {
     }
 }
 
-/// `measures(velocity, position)`.
+/// `measures(velocity, my::Range)`.
 pub(crate) struct Measures {
     pub(crate) keyword: Ident,
-    pub(crate) names: Vec<Ident>,
+    pub(crate) list: Vec<Measured>,
+}
+
+/// What is measured.
+pub(crate) enum Measured {
+    /// One of ours, by its name.
+    Ours(Ident),
+    /// Any measurement, by its type.
+    Type(Path),
+}
+
+/// The measurements that have names, and their types in `sinscal::measurements`.
+const OURS: [(&str, &str); 6] = [
+    ("velocity", "Velocity"),
+    ("position", "Position"),
+    ("attitude", "Attitude"),
+    ("rate", "Rate"),
+    ("height", "Height"),
+    ("heading", "Heading"),
+];
+
+impl Measured {
+    /// A word that begins with a small letter is a name.
+    fn of(path: Path) -> Self {
+        match path.get_ident() {
+            Some(name) if name.unraw().to_string().starts_with(|c: char| !c.is_uppercase()) => {
+                Measured::Ours(name.clone())
+            }
+            _ => Measured::Type(path),
+        }
+    }
+
+    /// The type called by a name of ours; of a name that is none, what to say.
+    pub(crate) fn named(name: &Ident) -> std::result::Result<Ident, String> {
+        let text = name.unraw().to_string();
+        if let Some((_, ty)) = OURS.iter().find(|(ours, _)| *ours == text) {
+            return Ok(Ident::new(ty, name.span()));
+        }
+        let names = OURS.map(|(ours, _)| ours);
+        let near = near(&names, &text, |_| text.len() / 2);
+        Err(format!(
+            "there is no measurement `{text}`: ours are {}, one of your own is named by its type{}",
+            names.join(", "),
+            near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"))
+        ))
+    }
+}
+
+impl ToTokens for Measured {
+    fn to_tokens(&self, tokens: &mut TokenStream) {
+        match self {
+            Measured::Ours(name) => name.to_tokens(tokens),
+            Measured::Type(path) => path.to_tokens(tokens),
+        }
+    }
 }
 
 /// The attributes of the struct.
@@ -68,7 +124,7 @@ impl Attributes {
             if attr.path().is_ident("base") {
                 errors.at(attr, "`#[base]` marks the first field of a filter, not the struct");
             }
-            let Some(kind) = Kind::of(attr.path()) else { continue };
+            let Some(kind) = Kind::of(attr.path()).or_else(|| Kind::meant(attr.path())) else { continue };
             match read.kind {
                 Some(earlier) if earlier != kind => {
                     errors.at(attr, "a declaration is a filter or a group, not both");
@@ -110,7 +166,7 @@ impl Attributes {
             _ if !kind.keys().contains(&text.as_str()) => {
                 return Err(Error::new(key.span(), unknown_key(kind, &text)));
             }
-            "measures" => "`measures` is a list of names: `measures(velocity, position)`",
+            "measures" => "`measures` is a list of names and types: `measures(velocity, position)`",
             "name" => "`name` is a text: `name = \"43d-b\"`",
             "dynamics" => "`dynamics` is a type: `dynamics = Strapdown`",
             _ => "`crate` is a path: `crate = ::sinscal::calib_core`",
@@ -121,8 +177,8 @@ impl Attributes {
                 if !input.peek(Paren) {
                     return Err(Error::new(key.span(), words));
                 }
-                let names = names(input, words, errors)?;
-                self.measures.replace(Measures { keyword: key.clone(), names }).is_some()
+                let list = measured(input, words, errors)?;
+                self.measures.replace(Measures { keyword: key.clone(), list }).is_some()
             }
             "name" => self.name.replace(value(input, <LitStr as Parse>::parse).map_err(malformed)?).is_some(),
             "dynamics" => {
@@ -146,25 +202,33 @@ fn unknown_key(kind: Kind, key: &str) -> String {
     }
     let keys = kind.keys().join(", ");
     let mut message = format!("unknown key `{key}`: `#[{keyword}(...)]` takes {keys}");
-    let near = kind.keys().iter().map(|known| (distance(known, key), known)).min();
-    if let Some((edits, known)) = near
-        && edits <= known.len() / 3
-    {
+    if let Some(known) = near(kind.keys(), key, |known| known.len() / 3) {
         message += &format!("; did you mean `{known}`?");
     }
     message
 }
 
-/// `(velocity, position)`.
-fn names(input: ParseStream, words: &str, errors: &mut Errors) -> Result<Vec<Ident>> {
+/// The one of `known` that is no more than `most` edits away from `word`.
+fn near<'a>(known: &[&'a str], word: &str, most: impl Fn(&str) -> usize) -> Option<&'a str> {
+    let (edits, near) = known.iter().map(|known| (distance(known, word), *known)).min()?;
+    (edits <= most(near)).then_some(near)
+}
+
+/// `(velocity, my::Range)`.
+fn measured(input: ParseStream, words: &str, errors: &mut Errors) -> Result<Vec<Measured>> {
     let content;
     parenthesized!(content in input);
-    let mut names = Vec::new();
+    let mut list = Vec::new();
     separated(&content, errors, |input, _| {
-        names.push(input.call(Ident::parse_any).map_err(|error| Error::new(error.span(), words))?);
+        let path = if input.peek(Ident::peek_any) && !input.peek2(Token![::]) {
+            input.call(Ident::parse_any).map(Path::from)
+        } else {
+            input.call(Path::parse_mod_style)
+        };
+        list.push(Measured::of(path.map_err(|error| Error::new(error.span(), words))?));
         Ok(())
     });
-    Ok(names)
+    Ok(list)
 }
 
 /// `= value`.
@@ -219,10 +283,18 @@ impl FieldAttributes {
                 read.base = true;
             } else if path.is_ident("doc") {
                 read.docs.push(attr.clone());
+            } else if misspells(path, "base") {
+                read.base = true;
             }
         }
         read
     }
+}
+
+/// Whether an attribute is nearly the one called `name`. rustc, which knows all that there are, reports it and says what is
+/// similar; here it is read as what was meant.
+fn misspells(path: &Path, name: &str) -> bool {
+    path.get_ident().is_some_and(|ident| (1..=2).contains(&distance(&ident.to_string(), name)))
 }
 
 /// Edits that turn `a` into `b`.

@@ -1,9 +1,10 @@
 //! What the names of a declaration show to be wrong. What only types can tell is left to `calib_core::declare`.
 
 use quote::ToTokens;
+use syn::{GenericArgument, PathArguments, Type};
 
 use crate::ast::Declaration;
-use crate::attr::Kind;
+use crate::attr::{Kind, Measured};
 use crate::errors::Errors;
 use crate::layout::Layout;
 use crate::view::shown;
@@ -14,6 +15,7 @@ pub(crate) fn check(declaration: &mut Declaration, errors: &mut Errors) {
     measures(declaration, errors);
     name(declaration, errors);
     bases(declaration, errors);
+    wrapped(declaration, errors);
     types(declaration, errors);
     dynamics(declaration, errors);
 }
@@ -38,12 +40,24 @@ fn measures(declaration: &Declaration, errors: &mut Errors) {
         }
         return;
     };
-    if measures.names.is_empty() {
+    if measures.list.is_empty() {
         errors.at(&measures.keyword, "a filter measures something: `measures(velocity, position)`");
     }
-    for (i, name) in measures.names.iter().enumerate() {
-        if measures.names[..i].contains(name) {
-            errors.at(name, format_args!("`{name}` is measured twice"));
+    for (i, measured) in measures.list.iter().enumerate() {
+        let text = shown(measured);
+        if measures.list[..i].iter().any(|earlier| shown(earlier) == text) {
+            errors.at(measured, format_args!("`{text}` is measured twice"));
+        }
+        let Measured::Ours(name) = measured else { continue };
+        match Measured::named(name) {
+            Err(words) => errors.at(name, words),
+            Ok(ty) if declaration.attrs.krate.is_some() => errors.at(
+                name,
+                format_args!(
+                    "with `crate` measurements are named by their types, `sinscal::measurements::{ty}`"
+                ),
+            ),
+            Ok(_) => {}
         }
     }
 }
@@ -73,11 +87,54 @@ fn bases(declaration: &mut Declaration, errors: &mut Errors) {
         } else if let Some(first) = first {
             errors.at(&*field, format_args!("a second base: the filter already extends `{first}`"));
             field.base = false;
+            // its blocks are those of the other one, more likely than not
+            field.repeated = true;
         } else if i > 0 {
             errors.at(&*field, format_args!("the base comes first: `{ident}` stands after `{leading}`"));
         }
         first = first.or(Some(ident));
     }
+}
+
+/// A block in an `Option` or the like is taken for the block.
+fn wrapped(declaration: &mut Declaration, errors: &mut Errors) {
+    for field in &mut declaration.fields {
+        if let Some(inner) = inner(field.ty) {
+            let ident = field.ident;
+            let (shown, bare) = (shown(field.ty), shown(inner));
+            errors.at(
+                field.ty,
+                format_args!(
+                    "`{shown}` is not a state block: a field is one block, which is there, as in `{ident}: {bare}`"
+                ),
+            );
+            field.ty = inner;
+        }
+    }
+}
+
+/// What a type that is no block holds.
+fn inner(ty: &Type) -> Option<&Type> {
+    const WRAPPERS: [&str; 4] = ["Option", "Vec", "Box", "PhantomData"];
+    match ty {
+        Type::Array(array) => Some(innermost(&array.elem)),
+        Type::Reference(reference) => Some(innermost(&reference.elem)),
+        Type::Path(path) => {
+            let last = path.path.segments.last()?;
+            let PathArguments::AngleBracketed(arguments) = &last.arguments else { return None };
+            match arguments.args.first()? {
+                GenericArgument::Type(held) if WRAPPERS.iter().any(|name| last.ident == name) => {
+                    Some(innermost(held))
+                }
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+fn innermost(ty: &Type) -> &Type {
+    inner(ty).unwrap_or(ty)
 }
 
 /// The same type twice; a type under two names, or within a group, is left to the compiler.

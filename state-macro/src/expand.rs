@@ -1,7 +1,7 @@
 //! A layout, to the implementations and the constants that judge it.
 
-use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream};
-use quote::{quote, quote_spanned};
+use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
+use quote::{ToTokens, quote, quote_spanned};
 use syn::ext::IdentExt;
 use syn::spanned::Spanned;
 use syn::{DeriveInput, Type};
@@ -12,7 +12,7 @@ use crate::check;
 use crate::errors::Errors;
 use crate::fallback;
 use crate::layout::Layout;
-use crate::view;
+use crate::view::{self, shown};
 
 /// All that the derive writes: the mistakes, and implementations that hold in spite of them.
 pub(crate) fn derive(input: &DeriveInput) -> TokenStream {
@@ -35,19 +35,19 @@ fn expand(layout: &Layout) -> TokenStream {
     let belong = layout.declaration.fields.iter().map(|field| belongs(layout, field));
     let rules = rules(layout);
     let block = block(layout);
-    let filter = layout.is_filter().then(|| filter(layout));
+    let own = if layout.is_filter() { filter(layout) } else { counted(layout) };
     let inherent = inherent(layout);
     quote! {
         #view
         const _: () = {
             #[allow(unused_imports)]
-            use #core::declare::{Baseless as _, Misfit as _};
+            use #core::declare::{Baseless as _, Misfit as _, Other as _, Unmeasured as _, Unrelated as _};
             #parts
             #measures
             #(#belong)*
             #rules
             #block
-            #filter
+            #own
             #inherent
         };
     }
@@ -69,30 +69,43 @@ fn parts(layout: &Layout) -> TokenStream {
     }
 }
 
-/// The measurements, as indices.
+/// What is measured, and the demand that every measurement be one of the declaration's dynamics.
 fn measures(layout: &Layout) -> TokenStream {
-    let Layout { declaration, core, .. } = layout;
-    let measures = match (&declaration.attrs.measures, declaration.base()) {
-        (Some(measures), _) => {
-            let channels = channels(layout);
-            let names = measures.names.iter().map(|name| name.unraw().to_string());
-            quote!(&[#(#core::declare::channel(#channels, #names)),*])
-        }
-        (None, Some(Field { ty, .. })) => {
-            quote!(#core::declare::inherited(#core::declare::Base::<#ty>::MEASURES))
-        }
-        (None, None) => quote!(&[]),
+    let Layout { declaration, core, dynamics, .. } = layout;
+    let Some(types) = layout.measured() else {
+        let base = declaration.base().map(|field| field.ty);
+        return quote! {
+            const MEASURES: &[#core::MeasurementInfo] =
+                #core::declare::inherited(#core::declare::Base::<#base>::MEASURES);
+        };
     };
+    let rules = types.iter().enumerate().map(|(k, ty)| {
+        let own = at(core, ty.span());
+        let fit = quote_spanned! {ty.span()=>
+            #own::declare::Fit::<<#ty as #own::Measurement>::Dynamics, #dynamics>::SAME
+        };
+        let known = quote!(#core::declare::Family::<#dynamics>::KNOWN);
+        rule(core, ends(ty), quote!(#core::declare::measurement(MEASURES, #k, #fit || !#known)))
+    });
     quote! {
-        const MEASURES: &[usize] = #measures;
+        const MEASURES: &[#core::MeasurementInfo] =
+            &[#(#core::declare::Measured::<#types, #dynamics>::INFO),*];
+        #(#rules)*
     }
+}
+
+/// The first and the last place of tokens in the source.
+fn ends(tokens: &TokenStream) -> (Span, Span) {
+    let mut tokens = tokens.clone().into_iter().map(|token| token.span());
+    let first = tokens.next().unwrap_or_else(Span::call_site);
+    (first, tokens.last().unwrap_or(first))
 }
 
 /// The constants that judge the fields, the measurements and the whole.
 fn rules(layout: &Layout) -> TokenStream {
     let Layout { declaration, core, .. } = layout;
     let Declaration { ident, attrs, fields, .. } = declaration;
-    let leading = of_dynamics(layout, "NEEDS");
+    let leading = of_family(layout, "NEEDS");
     let Some(kind) = attrs.kind else { return TokenStream::new() };
     let judge = match kind {
         Kind::Filter => quote!(filter_field),
@@ -104,15 +117,9 @@ fn rules(layout: &Layout) -> TokenStream {
         .map(|(i, field)| rule(core, field.ends(), quote!(#core::declare::#judge(&PARTS, #i, #leading))))
         .collect();
     if kind == Kind::Filter {
-        let size = of_dynamics(layout, "CORE");
+        let size = of_family(layout, "CORE");
         let whole = quote!(#core::declare::filter(&PARTS, #leading, #size));
         rules.extend(rule(core, (ident.span(), ident.span()), whole));
-        let channels = channels(layout);
-        for name in attrs.measures.iter().flat_map(|measures| &measures.names) {
-            let text = name.unraw().to_string();
-            let known = quote!(#core::declare::measurement(#channels, #text));
-            rules.extend(rule(core, (name.span(), name.span()), known));
-        }
     }
     let offsets = fields.iter().map(|field| field.ident);
     rules.extend(quote! {
@@ -139,7 +146,7 @@ fn rule(core: &TokenStream, (first, last): (Span, Span), verdict: TokenStream) -
 }
 
 fn block(layout: &Layout) -> TokenStream {
-    let Layout { declaration, core, dynamics, view, .. } = layout;
+    let Layout { declaration, core, dynamics, name, view, .. } = layout;
     let Declaration { ident, attrs, fields, .. } = declaration;
     let needs = (attrs.kind == Some(Kind::Group)).then(|| {
         quote! {
@@ -147,22 +154,24 @@ fn block(layout: &Layout) -> TokenStream {
                 &#core::declare::needs::<{ #core::declare::count_needs(&PARTS) }>(&PARTS);
         }
     });
+    let clause = clause(layout);
+    let visitor = quote_spanned!(dynamics.span()=> #core::BlockVisitor<#dynamics>);
     let signals = of_dynamics(layout, "Signals");
     let point = of_dynamics(layout, "Point");
     let types: Vec<&Type> = fields.iter().map(|field| field.ty).collect();
     let names: Vec<&Ident> = fields.iter().map(|field| field.ident).collect();
     quote! {
         #[automatically_derived]
-        impl #core::Block for #ident {
+        impl #core::Block for #ident #clause {
             type Dynamics = #dynamics;
             type View<'a, T: #core::Real> = #view<'a, T>;
+            const NAME: &'static str = #name;
             const DIM: usize = #core::declare::dim(&PARTS);
-            const SET: #core::BlockSet = #core::declare::set(&PARTS);
             #needs
-            const RELAXES: bool = #core::declare::relaxes(&PARTS);
+            const PARTS: &'static [#core::declare::Part] = &PARTS;
 
             fn states(visit: &mut dyn ::core::ops::FnMut(#core::StateInfo)) {
-                #(#core::declare::Field::<#types, Self::Dynamics>::states(visit);)*
+                #(#core::declare::Field::<#types, #dynamics>::states(visit);)*
             }
 
             #[inline(always)]
@@ -170,7 +179,7 @@ fn block(layout: &Layout) -> TokenStream {
                 signals: &#signals,
                 put: &mut impl ::core::ops::FnMut(usize, usize, T),
             ) {
-                #(#core::declare::Field::<#types, Self::Dynamics>::input_jacobian::<T>(
+                #(#core::declare::Field::<#types, #dynamics>::input_jacobian::<T>(
                     Self::OFFSETS.#names, signals, put,
                 );)*
             }
@@ -180,36 +189,91 @@ fn block(layout: &Layout) -> TokenStream {
                 at: &#point,
                 put: &mut impl ::core::ops::FnMut(usize, usize, T),
             ) {
-                #(#core::declare::Field::<#types, Self::Dynamics>::measurement_jacobian::<T>(
+                #(#core::declare::Field::<#types, #dynamics>::measurement_jacobian::<T>(
                     Self::OFFSETS.#names, at, put,
                 );)*
             }
 
             #[inline(always)]
-            fn relaxation<T: #core::Real>(put: &mut impl ::core::ops::FnMut(usize, #core::Relaxation<T>)) {
-                #(#core::declare::Field::<#types, Self::Dynamics>::relaxation::<T>(
-                    Self::OFFSETS.#names, put,
+            fn blocks(first: usize, visitor: &mut impl #visitor) {
+                #(#core::declare::Field::<#types, #dynamics>::blocks(
+                    first + Self::OFFSETS.#names, visitor,
                 );)*
             }
         }
     }
 }
 
-fn filter(layout: &Layout) -> TokenStream {
-    let Layout { declaration, core, name, .. } = layout;
-    let Declaration { ident, .. } = declaration;
-    let size = of_dynamics(layout, "CORE");
-    let channels = channels(layout);
+/// The number of states as a type.
+fn counted(layout: &Layout) -> TokenStream {
+    let Layout { declaration, core, .. } = layout;
+    let ident = declaration.ident;
+    let clause = clause(layout);
     quote! {
         #[automatically_derived]
-        impl #core::Filter for #ident {
-            const NAME: &'static str = #name;
+        impl #core::Counted for #ident #clause {
+            type States = #core::declare::Size<{ #core::declare::dim(&PARTS) }>;
+        }
+    }
+}
+
+fn filter(layout: &Layout) -> TokenStream {
+    let Layout { declaration, core, dynamics, .. } = layout;
+    let ident = declaration.ident;
+    let clause = clause(layout);
+    let size = of_family(layout, "CORE");
+    let point = of_dynamics(layout, "Point");
+    let (residual, jacobian) = match layout.measured() {
+        Some(types) => {
+            let places: Vec<usize> = (0..types.len()).collect();
+            let residuals = quote! {
+                match measured {
+                    #(#places => #core::declare::Measured::<#types, #dynamics>::residual::<T>(at, reading, put),)*
+                    _ => {}
+                }
+            };
+            let jacobians = quote! {
+                #(#core::declare::Measured::<#types, #dynamics>::jacobian::<T>(MEASURES, #places, at, put);)*
+            };
+            (residuals, jacobians)
+        }
+        None => {
+            let base = declaration.base().map(|field| field.ty);
+            (
+                quote!(#core::declare::Base::<#base>::residual::<T>(measured, at, reading, put);),
+                quote!(#core::declare::Base::<#base>::residual_jacobian::<T>(at, put);),
+            )
+        }
+    };
+    quote! {
+        #[automatically_derived]
+        impl #core::Filter for #ident #clause {
             type Shape = #core::Dim<
                 { #core::declare::dim(&PARTS) },
                 { #size },
-                { #core::declare::rows(#channels, MEASURES) },
+                { #core::declare::rows(MEASURES) },
             >;
-            const MEASURES: &'static [usize] = MEASURES;
+            const MEASURES: &'static [#core::MeasurementInfo] = MEASURES;
+
+            #[inline]
+            fn residual<T: #core::Real>(
+                measured: usize,
+                at: &#point,
+                reading: &[T],
+                put: &mut impl ::core::ops::FnMut(usize, T),
+            ) {
+                let _ = (measured, at, reading, &put);
+                #residual
+            }
+
+            #[inline(always)]
+            fn residual_jacobian<T: #core::Real>(
+                at: &#point,
+                put: &mut impl ::core::ops::FnMut(usize, usize, T),
+            ) {
+                let _ = (at, &put);
+                #jacobian
+            }
         }
     }
 }
@@ -239,36 +303,63 @@ fn inherent(layout: &Layout) -> TokenStream {
     }
 }
 
-/// The dynamics as those of the block that is written, with the span of what was said about them.
-fn dynamics(layout: &Layout) -> TokenStream {
-    let Layout { declaration, core, dynamics, .. } = layout;
-    let ident = declaration.ident;
-    quote_spanned!(dynamics.span()=> <#ident as #core::Block>::Dynamics)
+/// What the implementations take for granted: that given dynamics are dynamics. Where they are none rustc says so here, and
+/// nowhere within.
+fn clause(layout: &Layout) -> Option<TokenStream> {
+    layout.declaration.attrs.dynamics.as_ref().map(|given| {
+        let core = at(&layout.core, given.span());
+        quote_spanned!(given.span()=> where #given: #core::Dynamics)
+    })
 }
 
-fn channels(layout: &Layout) -> TokenStream {
-    of_dynamics(layout, "CHANNELS")
+/// Tokens with the span of what they are about: rustc points at the whole of a path.
+fn at(tokens: &TokenStream, span: Span) -> TokenStream {
+    let mut tokens: Vec<TokenTree> = tokens.clone().into_iter().collect();
+    tokens.iter_mut().for_each(|token| token.set_span(span));
+    tokens.into_iter().collect()
 }
 
-/// An item of the dynamics.
-fn of_dynamics(layout: &Layout, item: &str) -> TokenStream {
-    let core = &layout.core;
-    let span = layout.dynamics.span();
-    let dynamics = dynamics(layout);
-    let generics = matches!(item, "Signals" | "Point").then(|| quote_spanned!(span=> <T>));
+/// A constant of the dynamics, which says nothing where they are none.
+fn of_family(layout: &Layout, item: &str) -> TokenStream {
+    let Layout { core, dynamics, .. } = layout;
+    let span = dynamics.span();
     let item = Ident::new(item, span);
-    quote_spanned!(span=> <#dynamics as #core::Dynamics>::#item #generics)
+    quote_spanned!(span=> #core::declare::Family::<#dynamics>::#item)
+}
+
+/// A type of the dynamics.
+fn of_dynamics(layout: &Layout, item: &str) -> TokenStream {
+    let Layout { core, dynamics, .. } = layout;
+    let span = dynamics.span();
+    let item = Ident::new(item, span);
+    quote_spanned!(span=> <#dynamics as #core::Dynamics>::#item<T>)
 }
 
 /// The demand that a field be a block of the declaration's dynamics. Every path to the block has the span of its
 /// type, so that rustc says once what is wrong with it.
 fn belongs(layout: &Layout, field: &Field) -> TokenStream {
-    let core = &layout.core;
-    let Field { ty, .. } = field;
-    let ident = layout.declaration.ident;
-    quote_spanned! {ty.span()=>
-        const _: () = <
-            <#ty as #core::Block>::Dynamics as #core::declare::Same<<#ident as #core::Block>::Dynamics>
-        >::SAME;
-    }
+    let Layout { declaration, core, dynamics, .. } = layout;
+    let Field { ident, ty, .. } = field;
+    let name = ident.unraw().to_string();
+    let family = match &declaration.attrs.dynamics {
+        Some(given) => shown(given),
+        None if declaration.base().is_some() => "those of the base".to_owned(),
+        None => "Strapdown".to_owned(),
+    };
+    let own = at(core, ty.span());
+    let fit = quote_spanned! {ty.span()=>
+        #own::declare::Fit::<<#ty as #own::Block>::Dynamics, #dynamics>::SAME
+    };
+    let last = ty.to_token_stream().into_iter().last().map_or_else(|| ty.span(), |token| token.span());
+    rule(
+        core,
+        (ty.span(), last),
+        quote! {
+            #core::declare::belongs(
+                #name,
+                #family,
+                #fit || !#core::declare::Family::<#dynamics>::KNOWN,
+            )
+        },
+    )
 }

@@ -23,9 +23,18 @@ pub(crate) fn expand(input: &DeriveInput, attrs: &Attributes) -> Option<TokenStr
         quote! {
             #[automatically_derived]
             impl #implemented #core::Filter for #ident #ty #clause {
-                const NAME: &'static str = #name;
                 type Shape = #core::Dim<0, 0, 0>;
-                const MEASURES: &'static [usize] = &[];
+                const MEASURES: &'static [#core::MeasurementInfo] = &[];
+                fn residual<Scalar: #core::Real>(
+                    _: usize,
+                    _: &<<Self as #core::Block>::Dynamics as #core::Dynamics>::Point<Scalar>,
+                    _: &[Scalar],
+                    _: &mut impl ::core::ops::FnMut(usize, Scalar),
+                ) {}
+                fn residual_jacobian<Scalar: #core::Real>(
+                    _: &<<Self as #core::Block>::Dynamics as #core::Dynamics>::Point<Scalar>,
+                    _: &mut impl ::core::ops::FnMut(usize, usize, Scalar),
+                ) {}
             }
         }
     });
@@ -34,6 +43,7 @@ pub(crate) fn expand(input: &DeriveInput, attrs: &Attributes) -> Option<TokenStr
         impl #implemented #core::Block for #ident #ty #clause {
             type Dynamics = #dynamics;
             type View<'view, Scalar: #core::Real> = #core::BlockView<'view, Self, Scalar>;
+            const NAME: &'static str = #name;
             const DIM: usize = 0;
             fn states(_: &mut dyn ::core::ops::FnMut(#core::StateInfo)) {}
         }

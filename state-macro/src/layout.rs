@@ -1,11 +1,11 @@
 //! A declaration, to the paths and names that are written.
 
 use proc_macro2::{Ident, TokenStream};
-use quote::{ToTokens, format_ident, quote};
+use quote::{ToTokens, format_ident, quote, quote_spanned};
 use syn::ext::IdentExt;
 
 use crate::ast::{Declaration, Field};
-use crate::attr::{Attributes, Kind};
+use crate::attr::{Attributes, Kind, Measured};
 
 /// What the implementations of a declaration name.
 pub(crate) struct Layout<'a> {
@@ -14,7 +14,7 @@ pub(crate) struct Layout<'a> {
     pub(crate) core: TokenStream,
     /// Type of the dynamics.
     pub(crate) dynamics: TokenStream,
-    /// Name of the filter in reports.
+    /// Name in reports.
     pub(crate) name: String,
     /// Name of the view.
     pub(crate) view: Ident,
@@ -40,6 +40,29 @@ impl<'a> Layout<'a> {
             view: format_ident!("{}View", ident),
             offsets: format_ident!("{}Offsets", ident),
         })
+    }
+
+    /// Types of the measurements, each once; `None` where they are those of the base. What the names showed to be wrong is left out.
+    pub(crate) fn measured(&self) -> Option<Vec<TokenStream>> {
+        let Declaration { attrs, .. } = self.declaration;
+        if attrs.measures.is_none() && self.declaration.base().is_some() {
+            return None;
+        }
+        let mut types: Vec<TokenStream> = Vec::new();
+        for measured in attrs.measures.iter().flat_map(|measures| &measures.list) {
+            let ty = match measured {
+                Measured::Type(path) => path.to_token_stream(),
+                Measured::Ours(_) if attrs.krate.is_some() => continue,
+                Measured::Ours(name) => match Measured::named(name) {
+                    Ok(ty) => quote_spanned!(name.span()=> ::sinscal::measurements::#ty),
+                    Err(_) => continue,
+                },
+            };
+            if !types.iter().any(|earlier| earlier.to_string() == ty.to_string()) {
+                types.push(ty);
+            }
+        }
+        Some(types)
     }
 
     /// Whether a filter is written. A struct that says neither counts as one, so that its uses compile.

@@ -48,7 +48,7 @@ mod view;
 ///
 /// | key                        | in            | meaning                                                     |
 /// |----------------------------|---------------|-------------------------------------------------------------|
-/// | `measures(velocity, ...)`  | filter        | measurements in the order of the rows; needed without a base, whose measurements are inherited |
+/// | `measures(velocity, ...)`  | filter        | measurements in the order of the rows, ours by name (`velocity`, `position`, `attitude`, `rate`, `height`, `heading`), any by its type; needed without a base, whose measurements are inherited |
 /// | `name = "39d-p"`           | filter        | name in reports: lower-case letters, digits, hyphens; by default the kebab-case of the struct's name |
 /// | `dynamics = Type`          | filter, group | dynamics of the leading states; by default those of the base, `sinscal::Strapdown` without one |
 /// | `crate = path`             | filter, group | where `calib_core` is, by default `::sinscal::calib_core`    |

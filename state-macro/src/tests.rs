@@ -50,7 +50,7 @@ fn group() {
 #[test]
 fn own_dynamics() {
     insta::assert_snapshot!(expanded(quote! {
-        #[filter(dynamics = motion::ConstantVelocity, measures(range), crate = calib_core)]
+        #[filter(dynamics = motion::ConstantVelocity, measures(motion::Range), crate = calib_core)]
         struct Tracker {
             position: TrackPosition,
         }

@@ -83,9 +83,9 @@ fn view(layout: &Layout) -> TokenStream {
         #[doc = #docs]
         #[allow(dead_code)]
         #vis struct #view<'a, T: #core::Real> {
+            #held
             estimate: #core::Estimate<'a, T>,
             offset: usize,
-            #held
         }
 
         #[automatically_derived]

@@ -3,12 +3,15 @@
 
 mod toy;
 
-use calib_core::{Block, Dim, Dynamics, Estimate, Filter, Shape, View};
+use calib_core::{
+    Block, Dim, Estimate, Extended, Filter, Shape, View, declares, first_state, leaves, measurement_rows,
+    relaxations, relaxes,
+};
 use state_macro::StateBlocks;
-use toy::{Beacon, Bias, Force, Place, Rail, Scale, Speed, Sway, Wander};
+use toy::{Beacon, Bias, Force, Place, PlaceSeen, Rail, Scale, Speed, SpeedSeen, Sum, Sway, Wander};
 
 #[derive(StateBlocks)]
-#[filter(dynamics = Rail, measures(position), crate = calib_core)]
+#[filter(dynamics = Rail, measures(PlaceSeen), crate = calib_core)]
 struct Cart {
     place: Place,
     speed: Speed,
@@ -33,7 +36,13 @@ struct Start {
 }
 
 #[derive(StateBlocks)]
-#[filter(crate = calib_core, measures(velocity, position), name = "long-cart")]
+#[group(dynamics = Rail, crate = calib_core)]
+struct Aids {
+    beacon: Beacon,
+}
+
+#[derive(StateBlocks)]
+#[filter(crate = calib_core, measures(toy::SpeedSeen, PlaceSeen), name = "long-cart")]
 struct LongCart {
     #[base]
     cart: Cart,
@@ -48,7 +57,7 @@ struct SameMeasurements {
 }
 
 #[derive(StateBlocks)]
-#[filter(crate = calib_core, dynamics = toy::Rail, measures(velocity,))]
+#[filter(crate = calib_core, dynamics = toy::Rail, measures(SpeedSeen, Sum, PlaceSeen,))]
 struct FromGroups {
     start: Start,
     accel: Accel,
@@ -64,7 +73,7 @@ fn sizes_are_constants() {
     assert_eq!(shape::<Cart>(), (5, 2, 1));
     assert_eq!(shape::<LongCart>(), (6, 2, 2));
     assert_eq!(shape::<SameMeasurements>(), (6, 2, 2));
-    assert_eq!(shape::<FromGroups>(), (4, 2, 1));
+    assert_eq!(shape::<FromGroups>(), (4, 2, 3));
 }
 
 #[test]
@@ -79,10 +88,13 @@ fn names_and_measurements_are_declared() {
     assert_eq!(Cart::NAME, "cart");
     assert_eq!(LongCart::NAME, "long-cart");
     assert_eq!(SameMeasurements::NAME, "same-measurements");
-    assert_eq!(Cart::MEASURES, [0]);
-    assert_eq!(LongCart::MEASURES, [1, 0]);
-    assert_eq!(SameMeasurements::MEASURES, [1, 0]);
-    assert_eq!(LongCart::row(1), Some(0));
+    fn measured<F: Filter>() -> Vec<&'static str> {
+        F::MEASURES.iter().map(|info| info.name).collect()
+    }
+    assert_eq!(measured::<Cart>(), ["place"]);
+    assert_eq!(measured::<LongCart>(), ["speed", "place"]);
+    assert_eq!(measured::<SameMeasurements>(), ["speed", "place"]);
+    assert_eq!(LongCart::rows(1), 1..2);
 }
 
 #[test]
@@ -107,18 +119,62 @@ fn jacobians_are_shifted_to_their_fields() {
     assert_eq!(entries, [(0, 4, -1.0)]);
 
     let mut entries = Vec::new();
-    LongCart::relaxation(&mut |state, relaxation: calib_core::Relaxation<f64>| {
-        entries.push((state, relaxation.rate));
-    });
+    relaxations::<LongCart, f64>(|state, relaxation| entries.push((state, relaxation.rate)));
     assert_eq!(entries, [(5, 0.1)]);
 }
 
 #[test]
+fn rows_are_channels_or_functions_of_them() {
+    let force = Force { force: 9.5 };
+    // place by its states and the beacon's
+    assert_eq!(measurement_rows::<Cart, f64>(&(), &force), [[1.0, 0.0, 0.0, 0.0, -1.0]]);
+    // the base measures it after the speed
+    let rows = measurement_rows::<SameMeasurements, f64>(&(), &force);
+    assert_eq!(rows, [[0.0, 1.0, 0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0, -1.0, 0.0]]);
+    // a sum between two channels: the chain rule
+    let rows = measurement_rows::<FromGroups, f32>(&(), &Force { force: 9.5 });
+    assert_eq!(rows, [[0.0, 1.0, 0.0, 0.0], [1.0, 3.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]);
+    let mut slopes = Vec::new();
+    FromGroups::residual_jacobian(&(), &mut |row, channel, value: f64| slopes.push((row, channel, value)));
+    assert_eq!(slopes, [(0, 1, 1.0), (1, 0, 1.0), (1, 1, 3.0), (2, 0, 1.0)]);
+}
+
+#[test]
+fn residuals_are_those_of_the_measurement() {
+    for (measured, expected) in [(0, vec![(0, -7.0)]), (1, vec![])] {
+        let mut residuals = Vec::new();
+        Cart::residual(measured, &(), &[7.0], &mut |row, z: f64| residuals.push((row, z)));
+        assert_eq!(residuals, expected);
+    }
+}
+
+#[test]
 fn a_declaration_knows_its_blocks() {
-    const { assert!(LongCart::RELAXES && !Cart::RELAXES && !Accel::RELAXES) }
-    assert!(Rail::NEEDS.iter().all(|need| LongCart::SET.intersects(need.any_of)));
-    assert!(Cart::SET.contains(Accel::SET) && Cart::SET.contains(Beacon::SET));
-    assert!(!Accel::SET.intersects(Beacon::SET));
+    const { assert!(relaxes::<LongCart>() && !relaxes::<Cart>() && !relaxes::<Accel>()) }
+    const { assert!(declares::<LongCart, Bias>() && declares::<LongCart, Sway>() && declares::<Accel, Scale>()) }
+    const { assert!(!declares::<Accel, Beacon>() && !declares::<Cart, Wander>()) }
+    // a group is no block of its own
+    const { assert!(!declares::<Cart, Accel>()) }
+    let mut found = Vec::new();
+    leaves::<LongCart>(|leaf| found.push((leaf.name, leaf.first, leaf.states)));
+    let blocks = ["Place", "Speed", "Scale", "Bias", "Beacon", "Sway", "Wander"];
+    assert_eq!(found, std::array::from_fn::<_, 7, _>(|i| (blocks[i], i.min(5), usize::from(i != 5))));
+    assert_eq!(first_state::<LongCart, Wander>(), Some(5));
+    assert_eq!(first_state::<Cart, Wander>(), None);
+}
+
+#[test]
+fn a_group_extends_a_filter_without_a_count() {
+    type Grown = Extended<FromGroups, Aids>;
+    type Twice = Extended<Grown, Accel>;
+    const { assert!(Grown::DIM == 5 && Twice::DIM == 7 && declares::<Twice, Beacon>()) }
+    assert_eq!((<Grown as Filter>::Shape::STATES, <Twice as Filter>::Shape::STATES), (5, 7));
+    assert_eq!((Twice::NAME, Twice::MEASURES), ("from-groups", FromGroups::MEASURES));
+    let mut found = Vec::new();
+    leaves::<Twice>(|leaf| found.push((leaf.name, leaf.first)));
+    let names =
+        [("Place", 0), ("Speed", 1), ("Scale", 2), ("Bias", 3), ("Beacon", 4), ("Scale", 5), ("Bias", 6)];
+    assert_eq!(found, names);
 }
 
 #[test]

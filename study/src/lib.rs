@@ -16,4 +16,4 @@ mod unit;
 pub use map::{Cell, Sizes};
 pub use plan::{Plan, Trouble};
 pub use summary::{FilterSummary, ParameterSummary, Percentiles, Summary};
-pub use unit::{FilterResult, ParameterResult, UnitResult, Watch};
+pub use unit::{FilterResult, ParameterResult, Traced, UnitResult};

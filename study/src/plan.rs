@@ -1,18 +1,21 @@
 //! What is done with each unit.
 
+use std::sync::Arc;
+
 use rig::scenario::MotionPlan;
 use rig::{Scenario, ScenarioError};
+use runs::AnyFilter;
 
 /// Table 2 of the paper: the defaults of a swing of the rig, level, x east at rest.
 const SWING: &str = "[motion]\npath = \"swing\"\nstart = \"ENU\"";
 
 /// An experiment.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 pub struct Plan {
     /// How units differ and how they are calibrated.
     pub scenario: Scenario,
-    /// Names of the filters that calibrate each unit.
-    pub filters: Vec<String>,
+    /// The filters that calibrate each unit.
+    pub filters: Vec<Arc<dyn AnyFilter>>,
     /// Passes of a calibration.
     pub passes: u32,
     /// Free-inertial navigation after the calibration, h; none when zero.
@@ -29,19 +32,14 @@ pub enum Trouble {
     /// The scenario is not one that can be simulated.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A filter has diverged.
-    #[error("unit {unit}, {filter}: {error}")]
-    Diverged {
+    /// A filter came to no result.
+    #[error("unit {unit}, {error}")]
+    Run {
         /// The unit.
         unit: u64,
-        /// The filter.
-        filter: String,
-        /// When.
-        error: sinscal::Diverged,
+        /// Which filter, and why.
+        error: runs::Error,
     },
-    /// There is no such filter.
-    #[error("there is no filter called {0}")]
-    Filter(String),
 }
 
 impl Plan {

@@ -65,6 +65,10 @@ pub struct ParameterSummary {
     pub name: String,
     /// Component.
     pub component: String,
+    /// Unit of data sheets.
+    pub sheet_unit: String,
+    /// Size of one of them, SI.
+    pub sheet_scale: f64,
     /// Mean error.
     pub bias: f64,
     /// Root mean square error.
@@ -173,6 +177,8 @@ impl ParameterSummary {
         Self {
             name: named(|parameter| &parameter.name),
             component: named(|parameter| &parameter.component),
+            sheet_unit: named(|parameter| &parameter.sheet_unit),
+            sheet_scale: all.first().map_or(1.0, |parameter| parameter.sheet_scale),
             bias: mean(&errors),
             rms: rms(&errors),
             sigma: rms(&sigmas),

@@ -20,19 +20,19 @@ impl Numbers {
 
 pub(crate) fn setup() -> Setup<'static> {
     Setup {
-        rate: 100.0,
-        site: Site { latitude: 0.56, longitude: 2.07, height: 20.0 },
-        initial: InitialAttitude {
-            attitude: UnitQuaternion::from_euler_angles(0.3, -0.2, 1.1),
-            level_sigma: 5e-4,
-            heading_sigma: 2e-3,
-        },
-        reference: ReferenceSigma { velocity: 1e-3, position: 2e-3, attitude: 1e-4 },
         update_rate: 2.0,
-        noise: SensorNoise { angle_random_walk: 3e-7, velocity_random_walk: 5e-5 },
-        reference_temperature: 25.0,
         outer_lever: Vector3::new(0.1, -0.2, 0.05),
-        priors: &[],
+        ..Setup::new(
+            100.0,
+            Site { latitude: 0.56, longitude: 2.07, height: 20.0 },
+            InitialAttitude {
+                attitude: UnitQuaternion::from_euler_angles(0.3, -0.2, 1.1),
+                level_sigma: 5e-4,
+                heading_sigma: 2e-3,
+            },
+            ReferenceSigma { velocity: 1e-3, position: 2e-3, attitude: 1e-4 },
+            SensorNoise { angle_random_walk: 3e-7, velocity_random_walk: 5e-5 },
+        )
     }
 }
 
@@ -40,16 +40,20 @@ pub(crate) fn setup() -> Setup<'static> {
 pub(crate) fn signals(t: f64) -> Signals<f64> {
     let wave = |a: f64, f: f64, p: f64| (a * (f * t + p).sin(), a * f * (f * t + p).cos());
     let ((wx, ax), (wy, ay), (wz, az)) = (wave(0.3, 0.9, 0.2), wave(0.4, 0.7, 1.3), wave(-0.25, 1.1, 2.0));
+    let (fz, fz_rate) = wave(1.0, 0.8, 0.0);
+    let f = [wave(3.0, 0.5, 0.1), wave(4.0, 0.4, 0.9), (9.0 + fz, fz_rate)];
     Signals {
         rate: Vector3::new(wx, wy, wz),
         angular_acceleration: Vector3::new(ax, ay, az),
-        force: Vector3::new(wave(3.0, 0.5, 0.1).0, wave(4.0, 0.4, 0.9).0, 9.0 + wave(1.0, 0.8, 0.0).0),
+        force: f.map(|(f, _)| f).into(),
+        force_rate: f.map(|(_, rate)| rate).into(),
         temperature: Vector3::new(2.0 + 0.01 * t, 3.0 + 0.02 * t, 5.0 - 0.01 * t),
         temperature_rate: Vector3::new(0.01, 0.02, -0.01),
         gyro_temperature: Vector3::new(2.0 + 0.01 * t, 3.0 + 0.02 * t, 5.0 - 0.01 * t),
         dither: Vector3::new(3e-3, 4e-3, 5e-3),
         coupled_dither: Vector3::new(3e-3, 4e-3, 5e-3),
         time: t,
+        ..Signals::default()
     }
 }
 
@@ -69,6 +73,7 @@ pub(crate) fn point(numbers: &mut Numbers) -> Point<f64> {
         point_velocity: velocity + c_bn * rate_eb.cross(&lever),
         point_acceleration: numbers.vector(1.0),
         point_position: numbers.vector(5.0),
+        ..Point::default()
     }
 }
 

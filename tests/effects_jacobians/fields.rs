@@ -1,7 +1,7 @@
 //! Random points, and NaN in chosen fields of them.
 
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
-use sinscal::{Point, Signals};
+use sinscal::{OpenBlocks, Point, Signals};
 
 /// Numbers for tests: a linear congruential generator.
 pub(crate) struct Random(u64);
@@ -48,12 +48,14 @@ impl Inputs for Signals<f64> {
             rate: random.vector(2.0),
             angular_acceleration: random.vector(1.0),
             force: random.vector(20.0),
+            force_rate: random.vector(20.0),
             temperature: random.vector(30.0),
             temperature_rate: random.vector(0.1),
             gyro_temperature: random.vector(30.0),
             dither: random.vector(0.05).abs(),
             coupled_dither: random.vector(0.05).abs(),
             time: 1800.0 * (random.unit() + 1.0),
+            open: OpenBlocks::NONE,
         }
     }
 
@@ -63,12 +65,14 @@ impl Inputs for Signals<f64> {
             rate: v,
             angular_acceleration: v,
             force: v,
+            force_rate: v,
             temperature: v,
             temperature_rate: v,
             gyro_temperature: v,
             dither: v,
             coupled_dither: v,
             time: f64::NAN,
+            open: OpenBlocks::NONE,
         }
     }
 
@@ -78,18 +82,21 @@ impl Inputs for Signals<f64> {
             rate,
             angular_acceleration,
             force,
+            force_rate,
             temperature,
             temperature_rate,
             gyro_temperature,
             dither,
             coupled_dither,
             time,
+            open: _,
         } = self;
         visit("time".to_owned(), time);
         let vectors = [
             ("rate", rate),
             ("angular_acceleration", angular_acceleration),
             ("force", force),
+            ("force_rate", force_rate),
             ("temperature", temperature),
             ("temperature_rate", temperature_rate),
             ("gyro_temperature", gyro_temperature),
@@ -114,6 +121,7 @@ impl Inputs for Point<f64> {
             point_velocity: random.vector(10.0),
             point_acceleration: random.vector(10.0),
             point_position: random.vector(100.0),
+            open: OpenBlocks::NONE,
         }
     }
 
@@ -131,6 +139,7 @@ impl Inputs for Point<f64> {
             point_velocity: v,
             point_acceleration: v,
             point_position: v,
+            open: OpenBlocks::NONE,
         }
     }
 
@@ -147,6 +156,7 @@ impl Inputs for Point<f64> {
             point_velocity,
             point_acceleration,
             point_position,
+            open: _,
         } = self;
         for row in 0..3 {
             for column in 0..3 {

@@ -9,56 +9,36 @@ mod reference;
 mod sensors;
 mod strapdown;
 
-use calib_core::Block;
 use fields::{Inputs, Random};
 use nalgebra::DMatrix;
-use sinscal::{EFFECTS, Effect, Point, Signals};
+use sinscal::tables::{ALL, EffectTable};
+use sinscal::{AnyEffect, CATALOGUE, EFFECTS, Point, Signals};
 
 /// Random points at which each Jacobian is checked.
 const POINTS: usize = 120;
 
-/// A block of the catalogue with its Jacobians as functions.
-struct Case {
-    name: &'static str,
-    dim: usize,
-    input: fn(&Signals<f64>) -> DMatrix<f64>,
-    measurement: fn(&Point<f64>) -> DMatrix<f64>,
+/// Entries of a Jacobian that are put, summed.
+fn matrix(
+    rows: usize,
+    columns: usize,
+    jacobian: impl FnOnce(&mut dyn FnMut(usize, usize, f64)),
+) -> DMatrix<f64> {
+    let mut j = DMatrix::zeros(rows, columns);
+    jacobian(&mut |row, column, value| j[(row, column)] += value);
+    j
 }
 
-fn case<B: Effect + Block<Dynamics = sinscal::Strapdown>>() -> Case {
-    Case {
-        name: B::EFFECT.name(),
-        dim: B::DIM,
-        input: |signals| {
-            let mut j = DMatrix::zeros(6, B::DIM);
-            B::input_jacobian(signals, &mut |row, column, value| j[(row, column)] += value);
-            j
-        },
-        measurement: |at| {
-            let mut j = DMatrix::zeros(9, B::DIM);
-            B::measurement_jacobian(at, &mut |row, column, value| j[(row, column)] += value);
-            j
-        },
-    }
+fn input(effect: &dyn AnyEffect, signals: &Signals<f64>) -> DMatrix<f64> {
+    matrix(6, effect.dim(), |put| effect.input_jacobian(signals, put))
 }
 
-fn cases() -> Vec<Case> {
-    macro_rules! cases {
-        ($($name:ident)*) => { vec![$(case::<sinscal::$name>()),*] };
-    }
-    let cases = cases! {
-        GyroScale GyroMisalignment GyroBias AccelScale AccelMisalignment AccelBias AccelQuadratic OuterLeverArm
-        InnerLeverArm DitherSizeEffect AccelDelay AccelTemperatureScale AccelTemperatureBias AccelTemperatureRate
-        GyroTemperatureBias GyroGSensitivity AccelScaleAsymmetry GyroScaleAsymmetry AccelCubic AccelCrossCoupling
-        GyroRateNonlinearity AccelBiasDrift GyroBiasDrift InnerLeverArmTangential ReferenceDelay ReferenceMisalignment
-        ReferenceTilt
-    };
-    let mut names: Vec<_> = cases.iter().map(|c| c.name).collect();
-    let mut known: Vec<_> = EFFECTS.iter().map(|e| e.name()).collect();
-    names.sort_unstable();
-    known.sort_unstable();
-    assert_eq!(names, known, "this test must go through the whole catalogue");
-    cases
+fn measurement(effect: &dyn AnyEffect, at: &Point<f64>) -> DMatrix<f64> {
+    matrix(9, effect.dim(), |put| effect.measurement_jacobian(at, put))
+}
+
+/// The table that an effect is generated from.
+fn table(name: &str) -> &'static EffectTable {
+    ALL.iter().find(|table| table.name == name).unwrap_or_else(|| panic!("{name} has no table"))
 }
 
 /// Derivative of `f` at zero, of fourth order in the steps.
@@ -100,12 +80,13 @@ fn compare(name: &str, found: &DMatrix<f64>, expected: &DMatrix<f64>, floor: f64
 #[test]
 fn sensor_effects_match_their_models() {
     let mut random = Random::new(1);
-    for case in cases() {
+    for effect in CATALOGUE {
+        let name = effect.name();
         for _ in 0..POINTS {
             let signals = Signals::random(&mut random);
-            let model = |p: &[f64]| sensors::error(case.name, &signals, p);
-            let expected = differences(model, &vec![1e-3; case.dim]);
-            compare(case.name, &(case.input)(&signals), &expected, 1e-9);
+            let model = |p: &[f64]| sensors::error(name, &signals, p);
+            let expected = differences(model, &vec![1e-3; effect.dim()]);
+            compare(name, &input(*effect, &signals), &expected, 1e-9);
         }
     }
 }
@@ -113,12 +94,13 @@ fn sensor_effects_match_their_models() {
 #[test]
 fn reference_effects_match_their_models() {
     let mut random = Random::new(2);
-    for case in cases() {
+    for effect in CATALOGUE {
+        let name = effect.name();
         for _ in 0..POINTS {
             let at = Point::random(&mut random);
-            let model = |delta: &[f64]| reference::residuals(case.name, &at, delta);
-            let expected = differences(model, &vec![1e-3; case.dim]);
-            compare(case.name, &(case.measurement)(&at), &expected, 1e-9);
+            let model = |delta: &[f64]| reference::residuals(name, &at, delta);
+            let expected = differences(model, &vec![1e-3; effect.dim()]);
+            compare(name, &measurement(*effect, &at), &expected, 1e-9);
         }
     }
 }
@@ -126,15 +108,19 @@ fn reference_effects_match_their_models() {
 #[test]
 fn effects_use_what_their_tables_list_and_nothing_else() {
     let mut random = Random::new(3);
-    for (case, effect) in cases().iter().zip(cases().iter().map(|c| sinscal::effect(c.name).unwrap())) {
-        if effect.table.rows == 6 {
-            fields::poison(case.name, effect.table.inputs, &Signals::random(&mut random), case.input);
-            let still = (case.measurement)(&Point::all_nan());
-            assert_eq!(still.amax(), 0.0, "{}: a sensor effect touches the measurement", case.name);
+    for effect in CATALOGUE {
+        let name = effect.name();
+        let table = table(name);
+        if table.rows == 6 {
+            fields::poison(name, table.inputs, &Signals::random(&mut random), |signals| {
+                input(*effect, signals)
+            });
+            let still = measurement(*effect, &Point::all_nan());
+            assert_eq!(still.amax(), 0.0, "{}: a sensor effect touches the measurement", name);
         } else {
-            fields::poison(case.name, effect.table.inputs, &Point::random(&mut random), case.measurement);
-            let still = (case.input)(&Signals::all_nan());
-            assert_eq!(still.amax(), 0.0, "{}: a reference effect touches the sensors", case.name);
+            fields::poison(name, table.inputs, &Point::random(&mut random), |at| measurement(*effect, at));
+            let still = input(*effect, &Signals::all_nan());
+            assert_eq!(still.amax(), 0.0, "{}: a reference effect touches the sensors", name);
         }
     }
 }
@@ -142,22 +128,23 @@ fn effects_use_what_their_tables_list_and_nothing_else() {
 #[test]
 fn tables_count_their_entries() {
     let mut random = Random::new(4);
-    for case in cases() {
-        let table = sinscal::effect(case.name).unwrap().table;
+    for effect in CATALOGUE {
+        let name = effect.name();
+        let table = table(name);
         let sum = |j: DMatrix<f64>| j.iter().filter(|v| **v != 0.0).count();
         let nonzeros = if table.rows == 6 {
-            sum((case.input)(&Signals::random(&mut random)))
+            sum(input(*effect, &Signals::random(&mut random)))
         } else {
-            sum((case.measurement)(&Point::random(&mut random)))
+            sum(measurement(*effect, &Point::random(&mut random)))
         };
-        assert_eq!((nonzeros, case.dim), (table.nonzeros, table.columns), "{}", case.name);
-        assert_eq!(table.components.len(), case.dim, "{}", case.name);
+        assert_eq!((nonzeros, effect.dim()), (table.nonzeros, table.columns), "{}", name);
+        assert_eq!(table.components.len(), effect.dim(), "{}", name);
     }
 }
 
 #[test]
 fn blocks_describe_one_state_for_each_component() {
-    for effect in &EFFECTS {
+    for effect in EFFECTS {
         let mut components = Vec::new();
         effect.states(&mut |state| {
             assert_eq!((state.block, state.unit), (effect.name(), effect.unit()));

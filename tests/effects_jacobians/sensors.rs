@@ -31,8 +31,12 @@ pub(crate) fn error(name: &str, s: &Signals<f64>, p: &[f64]) -> Vec<f64> {
         "accel-temperature-bias" => (none, times(s.temperature)),
         "accel-temperature-rate" => (none, times(s.temperature_rate)),
         "accel-bias-drift" => (none, s.time * v(p)),
-        // The specific force stays where it is in n: at t - tau the body was turned back by omega tau.
-        "accel-delay" => (none, Rotation3::from_scaled_axis(w * p[0]) * f - f),
+        // At t - tau the body was turned back by omega tau, and the specific force along the axes that do not turn was another: its
+        // derivative there is what that in b has beyond the turning.
+        "accel-delay" => {
+            let change = s.force_rate + w.cross(&f);
+            (none, Rotation3::from_scaled_axis(w * p[0]) * (f - change * p[0]) - f)
+        }
         "inner-lever-arm" => {
             (none, size_effect(s, &s.coupled_dither, [[p[0], 0.0, 0.0], [0.0, p[1], 0.0], [0.0, 0.0, p[2]]]))
         }

@@ -4,17 +4,13 @@ use sinscal::prelude::*;
 /// A train on a line: place and speed.
 struct Train;
 
-const PLACE: BlockSet = BlockSet::only(0);
-const SPEED: BlockSet = BlockSet::only(1);
-
 impl Dynamics for Train {
     const CORE: usize = 2;
     const INPUTS: usize = 0;
-    const CHANNELS: &'static [ChannelGroup] =
-        &[ChannelGroup { name: "range", first: 0, components: &["x"], unit: "m" }];
+    const CHANNELS: usize = 1;
     const NEEDS: &'static [Need] = &[
-        Need { any_of: PLACE, message: "a train has a place" },
-        Need { any_of: SPEED, message: "a train has a speed" },
+        Need { any_of: &[Place::NAME], message: "a train has a place" },
+        Need { any_of: &[Speed::NAME], message: "a train has a speed" },
     ];
     type Signals<T: Real> = ();
     type Point<T: Real> = ();
@@ -23,49 +19,63 @@ impl Dynamics for Train {
     fn measurement_jacobian<T: Real>(_: &(), _: &mut impl FnMut(usize, usize, T)) {}
 }
 
+struct Range;
+
+impl Measurement for Range {
+    type Dynamics = Train;
+    const INFO: MeasurementInfo = MeasurementInfo {
+        name: "range",
+        components: &["x"],
+        unit: "m",
+        columns: &["range"],
+        sigma: 1.0,
+        channels: Some(0),
+    };
+}
+
 macro_rules! block {
-    ($name:ident, $dim:literal, $set:expr, $relaxes:literal) => {
+    ($name:ident, $dim:literal, $called:literal, $relaxations:expr) => {
         struct $name;
         impl Block for $name {
             type Dynamics = Train;
             type View<'a, T: Real> = BlockView<'a, Self, T>;
+            const NAME: &'static str = $called;
             const DIM: usize = $dim;
-            const SET: BlockSet = $set;
-            const RELAXES: bool = $relaxes;
+            const RELAXATIONS: &'static [(usize, Relaxation<f64>)] = $relaxations;
             fn states(_: &mut dyn FnMut(StateInfo)) {}
         }
     };
 }
 
-block!(Place, 1, PLACE, false);
-block!(Speed, 1, SPEED, false);
-block!(SlowingSpeed, 1, SPEED, true);
-block!(PlaneSpeed, 2, SPEED, false);
-block!(Clock, 1, BlockSet::EMPTY, false);
+block!(Place, 1, "place", &[]);
+block!(Speed, 1, "speed", &[]);
+block!(SlowingSpeed, 1, "speed", &[(0, Relaxation { rate: 0.1, density: 0.0 })]);
+block!(PlaneSpeed, 2, "speed", &[]);
+block!(Clock, 1, "clock", &[]);
 
 #[derive(StateBlocks)]
 #[filter(dynamics = Train, measures(velocity))]
-struct UnknownMeasurement {
+struct OtherMeasurement {
     place: Place,
     speed: Speed,
 }
 
 #[derive(StateBlocks)]
-#[filter(dynamics = Train, measures(range))]
+#[filter(dynamics = Train, measures(Range))]
 struct TooManyStates {
     place: Place,
     speed: PlaneSpeed,
 }
 
 #[derive(StateBlocks)]
-#[filter(dynamics = Train, measures(range))]
+#[filter(dynamics = Train, measures(Range))]
 struct RelaxingCore {
     place: Place,
     speed: SlowingSpeed,
 }
 
 #[derive(StateBlocks)]
-#[filter(dynamics = Train, measures(range))]
+#[filter(dynamics = Train, measures(Range))]
 struct OtherDynamics {
     place: Place,
     speed: Speed,

@@ -1,4 +1,4 @@
-//! Two bases.
+//! Two bases, which have blocks in common.
 use sinscal::prelude::*;
 
 #[derive(StateBlocks)]
@@ -7,14 +7,9 @@ struct Nav {
     #[base]
     sins: sinscal::Sins36P,
     #[base]
-    mems: Free,
+    mems: sinscal::Mems30,
 }
 
-/// Blocks that 36D-P does not have: the second base is the only mistake.
-#[derive(StateBlocks)]
-#[group]
-struct Free {
-    inner_lever: InnerLeverArm,
+fn main() {
+    let _ = Kalman::<Nav>::prior();
 }
-
-fn main() {}

@@ -1,4 +1,4 @@
-//! Measurements that strapdown dynamics do not have.
+//! Measurements that there are not.
 use sinscal::prelude::*;
 
 #[derive(StateBlocks)]

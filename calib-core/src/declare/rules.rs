@@ -1,12 +1,24 @@
 //! The rules across the fields of a declaration. Each function judges one field, or one name, or the whole.
 
-use super::text::{distance, equal};
-use super::{Part, Role, Text};
-use crate::{ChannelGroup, Need};
+use super::text::equal;
+use super::{Part, Role, Text, meets};
+use crate::{MeasurementInfo, Need, Relaxation};
+
+/// What is wrong with the dynamics of a field, which `fit` those of the declaration, or do not.
+pub const fn belongs(field: &str, family: &str, fit: bool) -> Text {
+    if fit {
+        return Text::EMPTY;
+    }
+    Text::EMPTY
+        .with_name(field)
+        .with(" is a block of other dynamics than the declaration, whose dynamics are ")
+        .with_name(family)
+        .with(": `#[filter(dynamics = ...)]` or `#[group(dynamics = ...)]` names them")
+}
 
 /// What is wrong with field `i` of a filter whose dynamics begin with `leading`.
 pub const fn filter_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
-    let mut text = repeats(parts, i);
+    let mut text = forgets(repeats(parts, i), &parts[i]);
     if let Role::Base { declared: false } = parts[i].role {
         text = text
             .next()
@@ -14,10 +26,10 @@ pub const fn filter_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
             .with(parts[i].name)
             .with("` is not a declared filter: a base is a struct with `#[filter(...)]`, a group of blocks or a block needs no `#[base]`");
     }
-    let declared = super::set(parts);
     let mut k = 0;
-    while k < parts[i].needs.len() {
-        if !declared.intersects(parts[i].needs[k].any_of) {
+    // what is no filter may have been meant to be the one that meets them
+    while k < parts[i].needs.len() && !misbased(parts) {
+        if !meets(parts, &parts[i].needs[k]) {
             text = if text.is_empty() { text.with_name(parts[i].name).with(": ") } else { text.next() };
             text = text.with(parts[i].needs[k].message);
         }
@@ -27,18 +39,18 @@ pub const fn filter_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
         return text;
     }
     let text = out_of_order(text, parts, i, leading);
-    if parts[i].relaxes && leads(&parts[i], leading) {
+    if parts[i].relaxes() && leads(&parts[i], leading) {
         return text
             .next()
             .with_name(parts[i].name)
-            .with(" forgets by itself, but leading states move as the dynamics say: `relaxation` is for parameter blocks");
+            .with(" forgets by itself, but leading states move as the dynamics say: `RELAXATIONS` are for parameter blocks");
     }
     text
 }
 
 /// What is wrong with field `i` of a group whose dynamics begin with `leading`.
 pub const fn group_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
-    let text = repeats(parts, i);
+    let text = forgets(repeats(parts, i), &parts[i]);
     if i > 0 && leads(&parts[0], leading) != leads(&parts[i], leading) && parts[0].known && parts[i].known {
         return text
             .next()
@@ -56,10 +68,9 @@ pub const fn filter(parts: &[Part], leading: &[Need], core: usize) -> Text {
     if extends(parts) {
         return text;
     }
-    let declared = super::set(parts);
     let mut k = 0;
     while k < leading.len() {
-        if !declared.intersects(leading[k].any_of) {
+        if !meets(parts, &leading[k]) {
             text = text.next().with(leading[k].message);
         }
         k += 1;
@@ -84,30 +95,32 @@ pub const fn filter(parts: &[Part], leading: &[Need], core: usize) -> Text {
     if states == core { text } else { wrong_core(states, core) }
 }
 
-/// What is wrong with measuring `name` when there are `groups`.
-pub const fn measurement(groups: &[ChannelGroup], name: &str) -> Text {
-    let mut nearest = "";
-    let mut least = name.len() / 2 + 1;
-    let mut list = Text::EMPTY;
-    let mut k = 0;
-    while k < groups.len() {
-        if equal(groups[k].name, name) {
-            return Text::EMPTY;
-        }
-        let edits = distance(groups[k].name, name);
-        if edits < least {
-            (nearest, least) = (groups[k].name, edits);
-        }
-        list = if list.is_empty() { list } else { list.with(", ") };
-        list = list.with(groups[k].name);
-        k += 1;
+/// What is wrong with the measurement at place `k`, of dynamics that `fit` those of the declaration, or do not: two of one name could
+/// not be told apart.
+pub const fn measurement(measures: &[MeasurementInfo], k: usize, fit: bool) -> Text {
+    if !fit {
+        return Text::EMPTY.with("a measurement of other dynamics than the declaration");
     }
-    let text = Text::EMPTY
-        .with("measurement ")
-        .with_name(name)
-        .with(" that no block supports: these dynamics measure ")
-        .with(if list.is_empty() { "nothing" } else { list.as_str() });
-    if nearest.is_empty() { text } else { text.with("; did you mean ").with_name(nearest).with("?") }
+    let mut i = 0;
+    while i < k {
+        if !measures[k].components.is_empty() && equal(measures[i].name, measures[k].name) {
+            return Text::EMPTY.with("two measurements with the name ").with_name(measures[k].name);
+        }
+        i += 1;
+    }
+    Text::EMPTY
+}
+
+/// Whether a base is no filter.
+const fn misbased(parts: &[Part]) -> bool {
+    let mut i = 0;
+    while i < parts.len() {
+        if let Role::Base { declared: false } = parts[i].role {
+            return true;
+        }
+        i += 1;
+    }
+    false
 }
 
 /// Whether a base answers for the leading blocks, or a type that is not known might be one of them.
@@ -128,23 +141,106 @@ const fn repeats(parts: &[Part], i: usize) -> Text {
     }
     let mut j = 0;
     while j < i {
-        if parts[j].set.intersects(parts[i].set) {
+        if let Some((one, other)) = shared(&parts[j], &parts[i]) {
+            let earlier = if parts[j].is_base() { "the base " } else { "" };
+            if one.dim != other.dim {
+                return Text::EMPTY
+                    .with_name(parts[i].name)
+                    .with(" declares a second block named ")
+                    .with_name(one.block)
+                    .with(", of ")
+                    .with_number(other.dim)
+                    .with(" states: that in ")
+                    .with(earlier)
+                    .with_name(parts[j].name)
+                    .with(" has ")
+                    .with_number(one.dim)
+                    .with("; two blocks need two names");
+            }
             return Text::EMPTY
                 .with_name(parts[i].name)
-                .with(" declares a block twice: it is already in ")
-                .with(if parts[j].is_base() { "the base " } else { "" })
-                .with_name(parts[j].name);
+                .with(" declares a block twice: ")
+                .with_name(one.block)
+                .with(" is already in ")
+                .with(earlier)
+                .with_name(parts[j].name)
+                .with(" (two different blocks need two names)");
         }
         j += 1;
     }
     Text::EMPTY
 }
 
+/// Relaxations that no state of a block has, or that grow.
+const fn forgets(text: Text, part: &Part) -> Text {
+    let mut k = 0;
+    while k < part.relaxations.len() {
+        let (state, Relaxation { rate, density }) = part.relaxations[k];
+        if state >= part.dim {
+            return text
+                .next()
+                .with_name(part.name)
+                .with(" gives state ")
+                .with_number(state)
+                .with(" a relaxation: its states are counted from 0 and there are ")
+                .with_number(part.dim);
+        }
+        if !(rate >= 0.0 && density >= 0.0) {
+            return text
+                .next()
+                .with_name(part.name)
+                .with(" gives state ")
+                .with_number(state)
+                .with(" a relaxation that grows: its rate and its density are 0 or more");
+        }
+        k += 1;
+    }
+    text
+}
+
+/// The first block of `part` of whose name `other` has one too, and that one.
+const fn shared(part: &Part, other: &Part) -> Option<(Part, Part)> {
+    if !part.known {
+        return None;
+    }
+    if part.parts.is_empty() {
+        return match named(other, part.block) {
+            Some(found) => Some((*part, found)),
+            None => None,
+        };
+    }
+    let mut i = 0;
+    while i < part.parts.len() {
+        let found = shared(&part.parts[i], other);
+        if found.is_some() {
+            return found;
+        }
+        i += 1;
+    }
+    None
+}
+
+/// The block called `name` within a part.
+const fn named(part: &Part, name: &str) -> Option<Part> {
+    if part.parts.is_empty() {
+        return if part.has(name) { Some(*part) } else { None };
+    }
+    let mut i = 0;
+    while i < part.parts.len() {
+        let found = named(&part.parts[i], name);
+        if found.is_some() {
+            return found;
+        }
+        i += 1;
+    }
+    None
+}
+
 /// Whether a part holds a leading block.
 const fn leads(part: &Part, leading: &[Need]) -> bool {
     let mut k = 0;
     while k < leading.len() {
-        if part.set.intersects(leading[k].any_of) {
+        if meets(&[*part], &leading[k]) {
             return true;
         }
         k += 1;
@@ -156,10 +252,10 @@ const fn leads(part: &Part, leading: &[Need]) -> bool {
 const fn precedes(later: &Part, part: &Part, leading: &[Need]) -> bool {
     let mut k = 0;
     while k < leading.len() {
-        if part.set.intersects(leading[k].any_of) {
+        if meets(&[*part], &leading[k]) {
             return false;
         }
-        if later.set.intersects(leading[k].any_of) {
+        if meets(&[*later], &leading[k]) {
             return true;
         }
         k += 1;

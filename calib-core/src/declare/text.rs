@@ -76,7 +76,7 @@ pub(super) const fn equal(a: &str, b: &str) -> bool {
 }
 
 /// Edits that turn `a` into `b`; no less than the longer length for names of 32 bytes or more.
-pub(super) const fn distance(a: &str, b: &str) -> usize {
+pub const fn distance(a: &str, b: &str) -> usize {
     const LIMIT: usize = 32;
     let (a, b) = (a.as_bytes(), b.as_bytes());
     if a.len() >= LIMIT || b.len() >= LIMIT {

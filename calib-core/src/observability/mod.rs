@@ -4,7 +4,10 @@ mod triangle;
 
 pub use triangle::{Decomposition, Triangle};
 
-use crate::{CoreRows, Dynamics, Filter, MeasurementRows, Real, Relaxation, Shape, measurement_rows};
+use crate::{
+    CoreRows, Dynamics, Filter, MeasurementRows, Real, Relaxation, Shape, Vector, measurement_rows,
+    relaxations, relaxing,
+};
 
 /// The C non-trivial rows `[A B]` of the continuous system matrix F; below them stand zeros, or the rates of
 /// parameters that relax.
@@ -28,17 +31,29 @@ pub fn system_rows<F: Filter, T: Real>(
 pub struct ObservabilityRows<F: Filter, T: Real> {
     system: CoreRows<F, T>,
     rows: MeasurementRows<F, T>,
+    relaxing: Vector<F, Relaxation<T>>,
     seconds: T,
 }
 
 impl<F: Filter, T: Real> ObservabilityRows<F, T> {
-    /// Begins with H at `at`.
+    /// Begins with H at `at`; states that relax do so as they are declared to.
     pub fn new(
         at: &<F::Dynamics as Dynamics>::Point<T>,
         signals: &<F::Dynamics as Dynamics>::Signals<T>,
         seconds: T,
     ) -> Self {
+        Self::with_relaxing(at, signals, relaxing::<F, T>(), seconds)
+    }
+
+    /// [`new`](Self::new) with `relaxing` by state in place of those that are declared.
+    pub fn with_relaxing(
+        at: &<F::Dynamics as Dynamics>::Point<T>,
+        signals: &<F::Dynamics as Dynamics>::Signals<T>,
+        relaxing: Vector<F, Relaxation<T>>,
+        seconds: T,
+    ) -> Self {
         Self {
+            relaxing,
             system: system_rows::<F, T>(at, signals),
             rows: measurement_rows::<F, T>(at, signals),
             seconds,
@@ -61,9 +76,9 @@ impl<F: Filter, T: Real> ObservabilityRows<F, T> {
                 }
                 self.rows[m][j] = sum * self.seconds;
             }
-            let (row, seconds) = (&mut self.rows[m], self.seconds);
-            F::relaxation(&mut |state, Relaxation { rate, .. }| {
-                row[state] -= before[state] * rate * seconds;
+            let (row, relaxing, seconds) = (&mut self.rows[m], &self.relaxing, self.seconds);
+            relaxations::<F, T>(|state, _| {
+                row[state] -= before[state] * relaxing[state].rate * seconds;
             });
         }
     }

@@ -1,20 +1,25 @@
 //! `sinscal ablate`: the five filters of the paper side by side.
 
-pub(crate) mod run;
-
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
-use miette::{IntoDiagnostic, Result};
+use logs::Log;
+use miette::{IntoDiagnostic, Result, miette};
+use runs::{AnyFilter, Calibrated, Flight, Options, Outcome, calibrate_all};
 use serde::Serialize;
 
-use self::run::Fit;
 use crate::arguments::{self, ALIGNMENT, LogArgument, Results, alignment};
-use crate::navigate::run::{Flight, navigate};
-use crate::navigate::{errors, section};
-use crate::report::inputs::Inputs;
-use crate::report::{Cell, Report as Page, Section, Table, Tone, number, text};
+use crate::navigate::{errors, fly, section};
+use crate::origin::{Documented as _, inputs};
+use crate::setup;
+use crate::source::{Source, fault};
+use crate::vocabulary::vocabulary;
+use reports::{Cell, Report as Page, Section, Table, Tone, number, text};
+
+/// The five filters of the paper, in the order of its table 3.
+pub(crate) const FILTERS: [&str; 5] = ["36d-p", "39d-p", "40d-p", "43d-p", "43d-b"];
 
 /// What its help ends with.
 const EXAMPLES: &str = "\
@@ -53,7 +58,7 @@ struct Report {
 
 #[derive(Serialize)]
 struct Row {
-    filter: &'static str,
+    filter: String,
     states: usize,
     nis_per_dof: f64,
     max_horizontal_nmi: Option<f64>,
@@ -71,23 +76,24 @@ impl Arguments {
             .as_deref()
             .map(|swing| arguments::open(swing, &self.log.columns.reading()))
             .transpose()?;
-        let fits = run::calibrate(&log, self.passes)?;
-        let (statistics, calibrations): (Vec<_>, Vec<_>) = fits
-            .into_iter()
-            .map(|Fit { calibrated, statistics, states }| ((statistics, states), calibrated))
-            .unzip();
-        let flown = swing.as_ref().map(|log| navigate(log, &calibrations, self.align)).transpose()?;
+        let filters = paper()?;
+        let outcomes = calibrate(&log, &filters, self.passes)?;
+        let calibrated = |(filter, outcome): (&Arc<dyn AnyFilter>, &Outcome)| Calibrated {
+            filter: filter.clone(),
+            values: outcome.estimates(),
+        };
+        let calibrations: Vec<Calibrated> = filters.iter().zip(&outcomes).map(calibrated).collect();
+        let flown = swing.as_ref().map(|log| fly(log, &calibrations, self.align)).transpose()?;
         let flights: &[Flight] = flown.as_ref().map_or(&[], |(flights, _)| flights);
-        let rows =
-            calibrations.iter().zip(&statistics).enumerate().map(|(i, (calibrated, (found, states)))| Row {
-                filter: calibrated.filter,
-                states: *states,
-                nis_per_dof: found.nis_per_dof(),
-                max_horizontal_nmi: flights.get(i).map(Flight::largest),
-                final_horizontal_nmi: flights.get(i).map(Flight::last),
-                log_likelihood: found.log_likelihood,
-                updates: found.updates,
-            });
+        let rows = outcomes.iter().enumerate().map(|(i, outcome)| Row {
+            filter: outcome.filter.clone(),
+            states: outcome.states,
+            nis_per_dof: outcome.statistics.nis_per_dof(),
+            max_horizontal_nmi: flights.get(i).map(Flight::largest),
+            final_horizontal_nmi: flights.get(i).map(Flight::last),
+            log_likelihood: outcome.statistics.log_likelihood,
+            updates: outcome.statistics.updates,
+        });
         let report = Report {
             filters: rows.collect(),
             passes: self.passes,
@@ -103,7 +109,7 @@ impl Arguments {
             if !flights.is_empty() {
                 page.sections.push(section(flights));
             }
-            page.sections.push(Inputs::of(&log)?.section());
+            page.sections.push(inputs(&log)?.section());
             page = page.with("passes", self.passes.to_string()).with_log(&log);
             if let Some(swing) = &swing {
                 page = page.with_log(swing);
@@ -113,6 +119,21 @@ impl Arguments {
     }
 }
 
+/// The filters of the paper.
+pub(crate) fn paper() -> Result<Vec<Arc<dyn AnyFilter>>> {
+    FILTERS.iter().map(|name| vocabulary().filter(name).map_err(|error| miette!("{error}"))).collect()
+}
+
+/// Runs every filter over `log`.
+fn calibrate(log: &Log, filters: &[Arc<dyn AnyFilter>], passes: u32) -> Result<Vec<Outcome>> {
+    let setup = setup::of(log, setup::initial(log)?);
+    let filters: Vec<&dyn AnyFilter> = filters.iter().map(|filter| &**filter).collect();
+    let Some(first) = filters.first() else { return Ok(Vec::new()) };
+    let options = Options { passes, ..Options::of(*first) };
+    let source = Source::new(log, "calibrating");
+    calibrate_all(&filters, &source, &setup, &options, &mut ()).map_err(|error| fault(log, error))
+}
+
 /// The comparison as a page, without curves.
 fn page(report: &Report, log: &Path) -> Page {
     let all = || report.filters.iter();
@@ -120,7 +141,7 @@ fn page(report: &Report, log: &Path) -> Page {
     let best = all().map(|row| row.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
     let row = |row: &Row| {
         let mut cells = vec![
-            text(row.filter),
+            text(row.filter.clone()),
             number(row.states.to_string()),
             number(format!("{:.3}", row.nis_per_dof)),
             number(format!("{:.1}", row.log_likelihood - best)),

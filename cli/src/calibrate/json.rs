@@ -2,19 +2,23 @@
 
 use std::time::Duration;
 
+use logs::{Bridged, Log};
 use miette::{IntoDiagnostic, Result};
 use nalgebra::{UnitQuaternion, Vector3};
+use runs::{AnyFilter, Options, Outcome, Stretch};
 use serde::Serialize;
-use sinscal::{CoarseCalibration, FilterInfo, Smoothed};
-
-use super::refusals::Stretch;
-use super::run::{Options, Outcome};
-use logs::Log;
+use sinscal::{CoarseCalibration, Smoothed};
 
 /// `calibrate --json`.
 #[derive(Serialize)]
 pub(super) struct Report {
     filter: &'static str,
+    /// Effects that were added to the filter at run time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    with: Vec<&'static str>,
+    /// Blocks that were left out of it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    without: Vec<&'static str>,
     states: usize,
     samples: u64,
     duration_s: f64,
@@ -114,9 +118,10 @@ impl Final {
 impl Report {
     pub(super) fn new(
         log: &Log,
-        filter: &FilterInfo,
-        options: Options,
+        filter: &dyn AnyFilter,
+        options: &Options,
         outcome: &Outcome,
+        bridged: Bridged,
         wall: Duration,
     ) -> Self {
         let parameters = outcome.parameters.iter().enumerate().map(|(index, parameter)| {
@@ -128,16 +133,18 @@ impl Report {
                 sigma: known(parameter.sigma),
                 unit: parameter.info.unit,
                 prior_sigma: parameter.prior_sigma,
-                converged_s: outcome.history.converged(index, outcome.start).and_then(known),
+                converged_s: outcome.converged(index).and_then(known),
                 estimated: parameter.estimated,
             }
         });
         let start = outcome.smoothed.as_ref().and_then(|smoothed| smoothed.first());
         let site = &log.description().site;
         Self {
-            filter: filter.name,
-            states: filter.states,
-            samples: outcome.samples,
+            filter: filter.name(),
+            with: filter.with(),
+            without: filter.without(),
+            states: outcome.states,
+            samples: outcome.samples - bridged.rows,
             duration_s: outcome.duration,
             wall_s: wall.as_secs_f64(),
             nis_per_dof: outcome.statistics.nis_per_dof(),
@@ -151,7 +158,7 @@ impl Report {
             reopened: outcome.statistics.reopened,
             refused: outcome.refused.clone(),
             log_likelihood: outcome.statistics.log_likelihood,
-            bridged_rows: outcome.bridged.rows,
+            bridged_rows: bridged.rows,
             log: log.table().display().to_string(),
             reference_temperature_c: log.description().reference_temperature,
             coarse: log.coarse().map(CoarseReport::new),

@@ -1,22 +1,22 @@
 //! `sinscal calibrate`: runs a filter over a log.
 
 mod json;
-mod refusals;
 mod report;
-mod run;
-mod tape;
 mod text;
 
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
+use logs::Log;
 use logs::units::DEGREE;
-use miette::{Result, miette};
-use sinscal::{Coarse, Parameter, UnknownPulses};
+use miette::Result;
+use runs::{Options, Watch};
+use sinscal::{Coarse, Parameter, Statistics, UnknownPulses};
 
 use crate::arguments::{self, FilterArgument, LogArgument, Results};
+use crate::origin::Documented as _;
+use crate::source::{Source, fault};
 use crate::{say, setup};
-use logs::Log;
 
 /// What its help ends with.
 const EXAMPLES: &str = "\
@@ -63,12 +63,23 @@ enum Form {
     Ud,
 }
 
-impl Form {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Conventional => "conventional",
-            Self::Ud => "ud",
+impl From<Form> for runs::Form {
+    fn from(form: Form) -> Self {
+        match form {
+            Form::Conventional => Self::Conventional,
+            Form::Ud => Self::Ud,
         }
+    }
+}
+
+/// Tells how each pass went, to those who want to know.
+struct Passes;
+
+impl Watch for Passes {
+    fn pass(&mut self, _: &str, pass: u32, of: u32, statistics: &Statistics) {
+        say::detail(|| {
+            format!("pass {pass} of {of}: NIS per degree of freedom {:.3}", statistics.nis_per_dof())
+        });
     }
 }
 
@@ -90,29 +101,27 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let started = Instant::now();
         let target = self.results.target()?;
-        let filter = self.filter.filter;
+        let filter = self.filter.filter()?;
+        let filter = &*filter;
         let mut log = Log::open_counting(&self.log.log, &self.log.columns.reading())?;
         arguments::tell(&log);
         if self.coarse || log.unknown_pulses() != UnknownPulses::default() {
             setup::coarse(&mut log)?;
         }
-        let passes = self.passes.unwrap_or(filter.passes);
-        let options = run::Options {
-            passes,
-            form: self.form,
+        let options = Options {
+            passes: self.passes.unwrap_or_else(|| filter.passes()),
+            form: self.form.into(),
             smooth: self.smooth,
             residuals: self.results.out.is_some(),
+            coarse: log.coarse().cloned(),
+            ..Options::of(filter)
         };
-        let outcome = run::run(&log, filter.name, options)?;
-        if outcome.statistics.updates == 0 {
-            let measures = filter.measures().collect::<Vec<_>>().join(" and ");
-            let table = log.table().display();
-            return Err(miette!(
-                help = "`sinscal filters` says what each filter measures; ref_vel_*, ref_pos_* and ref_quat_* are the columns",
-                "{table}: no update was made: {} measures {measures}, and no row has such a reference that it accepts",
-                filter.name
-            ));
-        }
+        let setup = setup::of(&log, setup::initial(&log)?);
+        let source = Source::new(&log, "calibrating");
+        let outcome = runs::calibrate(filter, &source, &setup, &options, &mut Passes)
+            .map_err(|error| fault(&log, error))?;
+        let bridged = source.bridged();
+        drop(source);
         if let Some(far) = outcome.parameters.iter().find(|parameter| far_out(parameter))
             && log.coarse().is_none()
         {
@@ -133,27 +142,27 @@ impl Arguments {
             say::warn(&format!(
                 "{} reckons with the dither, and the log tells none in dither_x, dither_y, dither_z: if the unit dithers, what \
                  that does to the accelerometers is in the estimates",
-                filter.name
+                filter.title()
             ));
         }
-        if let Some(doubt) = text::doubt(filter.name, &outcome, passes) {
+        if let Some(doubt) = text::doubt(&outcome, options.passes) {
             say::warn(&doubt);
         }
-        if outcome.bridged.gaps > 0 {
-            let (gaps, rows) = (outcome.bridged.gaps, outcome.bridged.rows);
+        if bridged.gaps > 0 {
+            let (gaps, rows) = (bridged.gaps, bridged.rows);
             say::remark(&format!("{gaps} gaps were filled with {rows} interpolated rows"));
         }
 
-        let document = json::Report::new(&log, filter, options, &outcome, started.elapsed());
+        let document = json::Report::new(&log, filter, &options, &outcome, bridged, started.elapsed());
         let json = document.render()?;
-        let table = text::table(&log, filter.name, &outcome, started.elapsed());
-        target.write("calibration", &json, &table, &text::verdict(filter.name, &outcome), |files, folder| {
+        let table = text::table(&log, &outcome, bridged, started.elapsed());
+        target.write("calibration", &json, &table, &text::verdict(&outcome), |files, folder| {
             files.write(&folder.join("history.csv"), |file| text::history(&outcome, file))?;
             if let Some(smoothed) = &outcome.smoothed {
                 let site = &log.description().site;
                 files.write(&folder.join("trajectory.csv"), |file| text::trajectory(smoothed, site, file))?;
             }
-            report::report(&log, filter, options, &outcome)?.write(files, folder)
+            report::report(&log, filter, &options, &outcome)?.write(files, folder)
         })
     }
 }

@@ -1,17 +1,24 @@
 //! The report of a calibration.
 
-use miette::Result;
-use sinscal::{FilterInfo, StateInfo};
-
-use super::run::{Options, Outcome};
-use super::text;
-use crate::figures::significant;
-use crate::report::inputs::Inputs;
-use crate::report::{Report, Tone, origin, parts};
 use logs::Log;
+use miette::Result;
+use runs::{AnyFilter, Options, Outcome};
+use sinscal::StateInfo;
+
+use super::text;
+use crate::origin::{Documented as _, inputs};
+use reports::figures::significant;
+use reports::{Report, Tone, parts};
+
+use crate::origin;
 
 /// Everything about a calibration, in the order a reviewer reads.
-pub(super) fn report(log: &Log, filter: &FilterInfo, options: Options, outcome: &Outcome) -> Result<Report> {
+pub(super) fn report(
+    log: &Log,
+    filter: &dyn AnyFilter,
+    options: &Options,
+    outcome: &Outcome,
+) -> Result<Report> {
     let known = origin::truth_beside(log)?;
     let of = known.as_ref().map(|truth| move |info: &StateInfo| truth.of(info));
     let truth = of.as_ref().map(|of| of as &dyn Fn(&StateInfo) -> f64);
@@ -40,25 +47,25 @@ pub(super) fn report(log: &Log, filter: &FilterInfo, options: Options, outcome: 
         facts.push(("largest error against the truth".into(), format!("{} sigma", significant(largest))));
     }
     let mut sections = vec![
-        parts::numbers(parameters, &|i| history.converged(i, outcome.start), truth),
+        parts::numbers(parameters, &|i| outcome.converged(i), truth),
         parts::forest(parameters, &centre, truth),
         parts::convergence(parameters, history, truth),
     ];
     sections.extend(outcome.residuals.as_deref().map(|channels| parts::residuals("Residuals", "", channels)));
-    sections.push(Inputs::of(log)?.section());
+    sections.push(inputs(log)?.section());
     let report = Report {
-        title: format!("Calibration of {} with {}", log.table().display(), filter.name),
-        verdict: text::verdict(filter.name, outcome),
-        tone: if text::fits(outcome) { Tone::Good } else { Tone::Bad },
+        title: format!("Calibration of {} with {}", log.table().display(), filter.title()),
+        verdict: text::verdict(outcome),
+        tone: if outcome.verdict().fits() { Tone::Good } else { Tone::Bad },
         facts,
         sections,
         origin: Vec::new(),
         attachments: Vec::new(),
     };
-    let measures = filter.measures().collect::<Vec<_>>().join(" and ");
+    let measures = filter.measures().join(" and ");
     Ok(report
         .with_program()
-        .with("filter", format!("{}: {} states, measures {measures}", filter.name, filter.states))
+        .with("filter", format!("{}: {} states, measures {measures}", filter.title(), outcome.states))
         .with("passes", options.passes.to_string())
         .with("covariance", options.form.name())
         .with_log(log))

@@ -4,54 +4,23 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::time::Duration;
 
-use sinscal::{CoarseCalibration, Parameter, Site, Smoothed, Statistics};
+use logs::{Bridged, Log};
+use runs::Outcome;
+use sinscal::{CoarseCalibration, Parameter, Site, Smoothed};
 
-use super::run::Outcome;
-use crate::figures::{decimals, significant};
-use logs::Log;
+use reports::figures::{decimals, significant};
 
 /// So many stretches of refused readings are listed.
 const DESCRIBED: usize = 20;
-/// NIS per degree of freedom of a filter whose model and noise agree with the data: 1, give or take what a few per cent
-/// of unmodelled noise make of it.
-const FITS: (f64, f64) = (0.8, 1.2);
-
-/// Fewer updates than this say nothing of the fit.
-const FEWEST: usize = 10;
 /// Shares of the reference left out that deserve a word: in a single pass, and where a pass before has shown what is usual.
 const MANY_LEFT_OUT: [f64; 2] = [0.02, 0.1];
 
 /// 1 ug in m/s^2.
 const MICRO_G: f64 = 9.80665e-6;
 
-/// Share of the readings of the reference that were left out as far off.
-fn left_out(statistics: &Statistics) -> f64 {
-    let rejected = statistics.rejected as f64;
-    // a reading is a vector
-    rejected / (rejected + statistics.degrees_of_freedom as f64 / 3.0)
-}
-
-/// The kind of reading of which most were left out as far off: it is not they that are wrong.
-fn contradicted(outcome: &Outcome) -> Option<&'static str> {
-    let outliers = || outcome.refused.iter().filter(|stretch| stretch.why == "outlier");
-    outliers().map(|stretch| stretch.channel).find(|channel| {
-        let refused: u64 =
-            outliers().filter(|other| other.channel == *channel).map(|other| other.readings).sum();
-        2 * refused > outcome.statistics.updates as u64
-    })
-}
-
-/// Whether there are residuals enough, about as large as the filter says, and most of the reference was used.
-pub(super) fn fits(outcome: &Outcome) -> bool {
-    let statistics = &outcome.statistics;
-    statistics.updates >= FEWEST
-        && (FITS.0..=FITS.1).contains(&statistics.nis_per_dof())
-        && contradicted(outcome).is_none()
-}
-
 /// What to say where much of the reference was left out, and what to do about it.
-pub(super) fn doubt(filter: &str, outcome: &Outcome, passes: u32) -> Option<String> {
-    let share = left_out(&outcome.statistics);
+pub(super) fn doubt(outcome: &Outcome, passes: u32) -> Option<String> {
+    let share = outcome.left_out();
     if !(share > MANY_LEFT_OUT[usize::from(passes > 1)]) {
         return None;
     }
@@ -61,8 +30,9 @@ pub(super) fn doubt(filter: &str, outcome: &Outcome, passes: u32) -> Option<Stri
     let last = outliers().map(|stretch| stretch.last_s).fold(f64::NEG_INFINITY, f64::max);
     let advice = if passes == 1 {
         format!(
-            "a single pass cannot tell what {filter} lacks from outliers: run two (--passes 2), or a filter that lacks nothing \
-             (sinscal diagnose)"
+            "a single pass cannot tell what {} lacks from outliers: run two (--passes 2), or a filter that lacks nothing \
+             (sinscal diagnose)",
+            outcome.filter
         )
     } else {
         "check unit, sign and frame of the reference, its sigmas in [reference], and the attitude in [initial]".into()
@@ -74,24 +44,13 @@ pub(super) fn doubt(filter: &str, outcome: &Outcome, passes: u32) -> Option<Stri
 }
 
 /// Whether the filter explains the data, in one line.
-pub(super) fn verdict(filter: &str, outcome: &Outcome) -> String {
+pub(super) fn verdict(outcome: &Outcome) -> String {
     let statistics = &outcome.statistics;
-    let nis = statistics.nis_per_dof();
-    let judgement = if let Some(channel) = contradicted(outcome) {
-        &format!("does not fit: most readings of {channel} contradict it")
-    } else if statistics.updates < FEWEST {
-        "cannot be judged by so few updates"
-    } else if nis > FITS.1 {
-        "does not fit: the residuals are larger than its model allows"
-    } else if nis < FITS.0 {
-        "fits, with residuals smaller than the noise of the description"
-    } else if nis.is_nan() {
-        "says nothing"
-    } else {
-        "fits"
-    };
     let mut text = format!(
-        "{filter} {judgement}: NIS per degree of freedom {nis:.2} over {} updates",
+        "{} {}: NIS per degree of freedom {:.2} over {} updates",
+        outcome.filter,
+        outcome.verdict(),
+        statistics.nis_per_dof(),
         statistics.updates
     );
     if statistics.rejected > 0 {
@@ -104,12 +63,12 @@ pub(super) fn verdict(filter: &str, outcome: &Outcome) -> String {
 }
 
 /// Verdict, parameters and final state. Writing to a string does not fail.
-pub(super) fn table(log: &Log, filter: &str, outcome: &Outcome, wall: Duration) -> String {
-    let mut text = verdict(filter, outcome) + "\n";
+pub(super) fn table(log: &Log, outcome: &Outcome, bridged: Bridged, wall: Duration) -> String {
+    let mut text = verdict(outcome) + "\n";
     let _ = writeln!(
         text,
         "{} samples, {:.1} s, computed in {:.2} s\n",
-        outcome.samples,
+        outcome.samples - bridged.rows,
         outcome.duration,
         wall.as_secs_f64()
     );
@@ -125,7 +84,7 @@ pub(super) fn table(log: &Log, filter: &str, outcome: &Outcome, wall: Duration) 
         let info = &parameter.info;
         let name = format!("{} {}", info.block, info.component);
         let [estimate, sigma] = figures(parameter);
-        let converged = match outcome.history.converged(index, outcome.start) {
+        let converged = match outcome.converged(index) {
             Some(time) if parameter.estimated => format!("{time:.0} s"),
             _ => "-".into(),
         };

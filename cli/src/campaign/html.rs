@@ -1,12 +1,13 @@
 //! The report of a campaign.
 
+use crate::origin::Documented as _;
 use sinscal::navigation::NAUTICAL_MILE;
 use study::{FilterSummary, Summary, UnitResult};
 
 use super::text::verdict;
-use crate::draw::{Curve, Figure, Style};
-use crate::figures::significant;
-use crate::report::{Cell, Interval, Report, Section, Table, Tone, number, text};
+use reports::figures::significant;
+use reports::{Cell, Interval, Report, Section, Table, Tone, number, text};
+use reports::{Curve, Figure, Style};
 
 /// Everything that many units say together, in the order a reviewer reads.
 pub(super) fn report(summary: &Summary, results: &[UnitResult]) -> Report {
@@ -126,15 +127,14 @@ pub(crate) fn consistency(summary: &Summary) -> Section {
 /// Errors of a filter's parameters over all units.
 pub(crate) fn parameters(filter: &FilterSummary) -> Section {
     let rows = filter.parameters.iter().map(|parameter| {
-        let (unit, scale) = sinscal::effect(&parameter.name)
-            .map_or(("", 1.0), |effect| (effect.sheet_unit, effect.sheet_scale));
+        let (unit, scale) = (parameter.sheet_unit.as_str(), parameter.sheet_scale);
         let sign = if parameter.bias < 0.0 { "-" } else { "" };
         let mut row = vec![
             text(format!("{} {}", parameter.name, parameter.component)),
             number(format!("{sign}{}", significant(parameter.bias.abs() / scale))),
             number(significant(parameter.rms / scale)),
             number(significant(parameter.sigma / scale)),
-            text(unit),
+            text(unit.to_owned()),
             number(format!("{:.2}", parameter.nees)),
         ];
         let inside = parameter.coverage.iter().map(|part| number(format!("{:.0} %", 100.0 * part)));

@@ -9,10 +9,11 @@ use serde::Serialize;
 use sinscal::navigation::NAUTICAL_MILE;
 use study::{Cell, Plan, Sizes, UnitResult};
 
-use crate::ablate::run::FILTERS;
+use crate::ablate::{FILTERS, paper};
 use crate::arguments::{ALIGNMENT, Drawn, Results, hours, within};
-use crate::report::{Cell as Field, Report as Page, Section, Table, Tone, number};
+use crate::origin::Documented as _;
 use crate::say::progress_bar;
+use reports::{Cell as Field, Report as Page, Section, Table, Tone, number};
 
 /// What its help ends with.
 const EXAMPLES: &str = "\
@@ -59,7 +60,7 @@ impl Arguments {
         let target = self.results.target()?;
         let plan = Plan {
             scenario: self.drawn.load()?,
-            filters: FILTERS.map(str::to_owned).to_vec(),
+            filters: paper()?,
             passes: 2,
             hours: self.hours,
             alignment: ALIGNMENT,

@@ -9,6 +9,7 @@ pub(crate) mod text;
 use std::collections::{BTreeMap, HashSet};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -16,12 +17,14 @@ use clap::{Args, Subcommand};
 use miette::{IntoDiagnostic, Report, Result, miette};
 use rayon::prelude::*;
 use rig::scenario::MotionPlan;
-use sinscal::FilterInfo;
+use runs::AnyFilter;
 use study::{Plan, Summary, UnitResult};
 
 use self::store::{Identity, Store};
-use crate::ablate::run::FILTERS;
+use crate::ablate::FILTERS;
 use crate::arguments::{self, ALIGNMENT, Drawn, Results, alignment, hours};
+use crate::compose::Change;
+use crate::origin::Documented as _;
 use crate::output::{self, Files};
 use crate::say::progress_bar;
 use crate::{say, scenario};
@@ -56,7 +59,9 @@ pub(crate) struct Arguments {
     /// The filters, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_values = FILTERS, ignore_case = true,
           value_parser = arguments::filter())]
-    filters: Vec<&'static FilterInfo>,
+    filters: Vec<Arc<dyn AnyFilter>>,
+    #[command(flatten)]
+    change: Change,
     /// Hours of free-inertial navigation on a swinging table with each calibration; 0 leaves it out
     #[arg(long, value_name = "H", default_value_t = 4.0, value_parser = hours_or_none)]
     hours: f64,
@@ -109,13 +114,12 @@ impl Arguments {
             None => {}
         }
         let target = self.results.target()?;
-        let mut filters = Vec::new();
+        let mut filters: Vec<Arc<dyn AnyFilter>> = Vec::new();
         for filter in &self.filters {
-            let filter = filter.name.to_owned();
-            if filters.contains(&filter) {
-                return Err(miette!("--filters: {filter} stands there twice"));
+            if filters.iter().any(|other| other.title() == filter.title()) {
+                return Err(miette!("--filters: {} stands there twice", filter.title()));
             }
-            filters.push(filter);
+            filters.push(self.change.of(filter)?);
         }
         let plan = Plan {
             scenario: self.drawn.load()?,

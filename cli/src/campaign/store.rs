@@ -25,7 +25,7 @@ impl Identity {
     pub(super) fn of(plan: &Plan) -> Self {
         Self {
             program: concat!("sinscal ", env!("CARGO_PKG_VERSION")).to_owned(),
-            filters: plan.filters.clone(),
+            filters: plan.filters.iter().map(|filter| filter.title()).collect(),
             passes: plan.passes,
             hours: plan.hours,
             alignment_s: plan.alignment,

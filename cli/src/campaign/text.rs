@@ -5,7 +5,7 @@ use std::fmt::Write;
 use sinscal::navigation::NAUTICAL_MILE;
 use study::{FilterSummary, Summary};
 
-use crate::figures::significant;
+use reports::figures::significant;
 
 /// What the campaign says, in one line.
 pub(crate) fn verdict(summary: &Summary) -> String {
@@ -120,8 +120,7 @@ fn parameters(text: &mut String, filter: &FilterSummary) {
         "converged"
     );
     for parameter in &filter.parameters {
-        let (unit, scale) = sinscal::effect(&parameter.name)
-            .map_or(("", 1.0), |effect| (effect.sheet_unit, effect.sheet_scale));
+        let (unit, scale) = (parameter.sheet_unit.as_str(), parameter.sheet_scale);
         let [low, high] = parameter.nees_band_99;
         let mark = if (low..=high).contains(&parameter.nees) { ' ' } else { '!' };
         let sign = if parameter.bias < 0.0 { "-" } else { "" };

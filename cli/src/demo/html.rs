@@ -1,11 +1,12 @@
 //! The report of the demonstration.
 
+use crate::origin::Documented as _;
 use sinscal::StateInfo;
 
 use super::story::{Fit, PATHS, Story};
 use super::{fit, hidden, largest_error};
-use crate::figures::significant;
-use crate::report::{Item, Report, Section, Table, Tone, diagnosis, number, parts, text};
+use reports::figures::significant;
+use reports::{Item, Report, Section, Table, Tone, diagnosis, number, parts, text};
 
 /// Everything that happened, in the order a reviewer reads.
 pub(super) fn report(story: &Story) -> Report {
@@ -16,16 +17,17 @@ pub(super) fn report(story: &Story) -> Report {
     // of a hidden effect only its name is good news
     let named = story.found.effects.len() == 1 && story.found.effects[0].name == story.hidden.name();
     page.tone = if named { Tone::Good } else { Tone::Bad };
-    let miles = |fit: &Fit| format!("{:.3}", fit.largest());
+    let miles = |fit: &Fit| format!("{:.3}", fit.flight.largest());
     let navigation = match &story.after {
         Some(after) => format!("{} to {} nmi", miles(&story.before), miles(after)),
         None => format!("{} nmi", miles(&story.before)),
     };
-    page.facts.push((format!("largest error in {:.0} h of navigation", story.before.hours()), navigation));
+    page.facts
+        .push((format!("largest error in {:.0} h of navigation", story.before.flight.hours()), navigation));
     let mut sections = vec![what_happened(story)];
     sections.append(&mut page.sections);
     if !story.found.effects.is_empty() {
-        sections.insert(2, diagnosis::against_truth(&story.found, &story.truth));
+        sections.insert(2, diagnosis::against_truth(&story.found, &|name, i| story.truth.value(name, i)));
     }
     // remarks and source come when the story is told
     let told =
@@ -34,16 +36,28 @@ pub(super) fn report(story: &Story) -> Report {
     let last = story.after.as_ref().unwrap_or(&story.before);
     sections.push(side_by_side(story));
     let tracks = [("before", Some(&story.before)), ("after", story.after.as_ref())];
-    let tracks = tracks.into_iter().filter_map(|(name, fit)| Some((name, fit?.track.as_slice())));
+    let tracks = tracks.into_iter().filter_map(|(name, fit)| Some((name, fit?.flight.track.as_slice())));
     sections.push(parts::navigation(tracks));
-    sections.push(parts::numbers(&last.parameters, &|i| last.history.converged(i, 0.0), truth));
-    sections.push(parts::forest(&last.parameters, &|_| 0.0, truth));
-    sections.push(parts::convergence(&last.parameters, &last.history, truth));
+    sections.push(parts::numbers(&last.outcome.parameters, &|i| last.outcome.converged(i), truth));
+    sections.push(parts::forest(&last.outcome.parameters, &|_| 0.0, truth));
+    sections.push(parts::convergence(&last.outcome.parameters, &last.outcome.history, truth));
     if let Some(after) = &story.after {
-        sections.push(parts::residuals("Residuals before", "before-", &story.before.residuals));
-        sections.push(parts::residuals("Residuals after", "after-", &after.residuals));
+        sections.push(parts::residuals(
+            "Residuals before",
+            "before-",
+            story.before.outcome.residuals.as_deref().unwrap_or_default(),
+        ));
+        sections.push(parts::residuals(
+            "Residuals after",
+            "after-",
+            after.outcome.residuals.as_deref().unwrap_or_default(),
+        ));
     } else {
-        sections.push(parts::residuals("Residuals", "", &story.before.residuals));
+        sections.push(parts::residuals(
+            "Residuals",
+            "",
+            story.before.outcome.residuals.as_deref().unwrap_or_default(),
+        ));
     }
     sections.push(story.first.inputs().section());
     sections.extend(appendix);
@@ -60,7 +74,7 @@ fn what_happened(story: &Story) -> Section {
         format!(
             "Unit {} of the default population was drawn. Hidden in it: {}.",
             story.seed,
-            hidden(story.hidden, &story.truth)
+            hidden(story.hidden.info(), &story.truth)
         ),
         format!("It was simulated {}, and once more {}.", PATHS[0], PATHS[1]),
         format!(
@@ -78,7 +92,7 @@ fn what_happened(story: &Story) -> Section {
     }
     lines.push(format!(
         "With each calibration the unit then navigated for {:.0} h while it swung.",
-        story.before.hours()
+        story.before.flight.hours()
     ));
     Section::new("What happened", vec![Item::List(lines)])
 }
@@ -88,12 +102,12 @@ fn side_by_side(story: &Story) -> Section {
     let row = |name: &str, fit: &Fit| {
         vec![
             text(name),
-            number(fit.parameters.len().to_string()),
-            number(format!("{:.3}", fit.statistics.nis_per_dof())),
-            number(format!("{:.1}", fit.statistics.log_likelihood)),
-            number(significant(largest_error(&fit.parameters, &story.truth))),
-            number(format!("{:.3}", fit.largest())),
-            number(format!("{:.3}", fit.last())),
+            number(fit.outcome.parameters.len().to_string()),
+            number(format!("{:.3}", fit.outcome.statistics.nis_per_dof())),
+            number(format!("{:.1}", fit.outcome.statistics.log_likelihood)),
+            number(significant(largest_error(&fit.outcome.parameters, &story.truth))),
+            number(format!("{:.3}", fit.flight.largest())),
+            number(format!("{:.3}", fit.flight.last())),
         ]
     };
     let mut rows = vec![row(story.base, &story.before)];

@@ -15,8 +15,9 @@ use rig::Truth;
 use sinscal::Parameter;
 
 use self::story::Story;
-use crate::figures::{decimals, significant};
+use crate::origin::Documented as _;
 use crate::output::{self, Files};
+use reports::figures::{decimals, significant};
 
 /// What its help ends with.
 const EXAMPLES: &str = "\
@@ -74,7 +75,7 @@ fn text(story: &Story, out: &Path, seconds: f64) -> String {
         story.first.description.rate,
         story::PATHS[1]
     );
-    let _ = writeln!(text, "hidden: {}", hidden(story.hidden, &story.truth));
+    let _ = writeln!(text, "hidden: {}", hidden(story.hidden.info(), &story.truth));
     let _ = writeln!(text, "{}, which lacks it: {}", story.base, fit(&story.before, &story.truth));
     match found.r#where.first() {
         Some(place) => {
@@ -109,12 +110,13 @@ fn text(story: &Story, out: &Path, seconds: f64) -> String {
         let names: Vec<&str> = found.effects.iter().map(|effect| effect.name.as_str()).collect();
         let _ = writeln!(text, "{} + {}: {}", story.base, names.join(" + "), fit(after, &story.truth));
     }
-    let after = story.after.as_ref().map_or(String::new(), |after| format!(", {:.3} after", after.largest()));
+    let after =
+        story.after.as_ref().map_or(String::new(), |after| format!(", {:.3} after", after.flight.largest()));
     let _ = writeln!(
         text,
         "free-inertial navigation, {:.0} h swinging: at most {:.3} nautical miles off before{after}",
-        story.before.hours(),
-        story.before.largest()
+        story.before.flight.hours(),
+        story.before.flight.largest()
     );
     let _ = writeln!(text, "report: {} ({seconds:.0} s)", out.join("report.html").display());
     text
@@ -138,8 +140,8 @@ fn signed(number: f64) -> String {
 fn fit(fit: &story::Fit, truth: &Truth) -> String {
     format!(
         "NIS per degree of freedom {:.2}, largest error {:.1} sigma",
-        fit.statistics.nis_per_dof(),
-        largest_error(&fit.parameters, truth)
+        fit.outcome.statistics.nis_per_dof(),
+        largest_error(&fit.outcome.parameters, truth)
     )
 }
 
@@ -151,8 +153,7 @@ fn largest_error(parameters: &[Parameter], truth: &Truth) -> f64 {
 
 /// Values of an effect in data-sheet units.
 fn values_of(effect: &FoundEffect, values: &[f64], sigmas: Option<&[f64]>) -> String {
-    let (unit, scale) = sinscal::effect(&effect.name)
-        .map_or((effect.unit.as_str(), 1.0), |info| (info.sheet_unit, info.sheet_scale));
+    let (unit, scale) = (&effect.sheet_unit, effect.sheet_scale);
     let value = |i: usize| {
         let digits = decimals(effect.sigma[i] / scale);
         let sigma = sigmas.map_or(String::new(), |s| format!(" +- {:.digits$}", s[i] / scale));

@@ -1,20 +1,19 @@
 //! What happens in the demonstration: two runs of a unit, a diagnosis, and navigation before and after.
 
-use calib_core::{Extended, Vector};
-use gap::{CandidateStates, Candidates, Diagnosis, Options};
+use std::sync::Arc;
+
+use gap::Diagnosis;
 use miette::{Result, miette};
+use reports::Inputs;
 use rig::scenario::{Path, Population};
 use rig::{Description, DitherMode, Scenario, Simulation, TemperatureProfile, Truth};
-use sinscal::navigation::{Alignment, Drift, FreeInertial, NAUTICAL_MILE};
-use sinscal::{
-    Calibration, ChannelInnovations, Diverged, EffectInfo, Filter, FilterVisitor, Innovations, Parameter,
-    Sample, Setup, Sins36P, Statistics, Strapdown, visit_filter,
-};
+use runs::{AnyFilter, Calibrated, Flight, Options, Outcome, calibrate, navigate};
+use sinscal::{AnyEffect, DitherSizeEffect, Effect as _, InnerLeverArm, Sample};
 use study::Plan;
 
-use crate::history::History;
-use crate::report::inputs::Inputs;
+use crate::compose::compose;
 use crate::say;
+use crate::vocabulary::vocabulary;
 
 /// How the unit is moved in the two runs, in words.
 pub(super) const PATHS: [&str; 2] = ["on 18 rotations", "on 19 positions, warmed otherwise"];
@@ -30,12 +29,6 @@ const ALIGNMENT: f64 = 900.0;
 const PASSES: u32 = 2;
 /// An effect that the default population lacks has components of about this part of its prior sigma.
 const SIZE: f64 = 0.5;
-/// Points kept of the error in navigation: one for so many samples.
-const TRACK: usize = 10;
-
-/// Time, east and north error, s and m.
-type Track = Vec<(f64, f64, f64)>;
-
 /// A run of the unit.
 pub(super) struct Run {
     pub(super) samples: Vec<Sample>,
@@ -44,18 +37,14 @@ pub(super) struct Run {
 
 /// What one filter made of the unit.
 pub(super) struct Fit {
-    pub(super) parameters: Vec<Parameter>,
-    pub(super) history: History,
-    pub(super) statistics: Statistics,
-    pub(super) residuals: Vec<ChannelInnovations>,
-    drift: Drift,
-    pub(super) track: Track,
+    pub(super) outcome: Outcome,
+    pub(super) flight: Flight,
 }
 
 /// Everything that happened.
 pub(super) struct Story {
     pub(super) seed: u64,
-    pub(super) hidden: &'static EffectInfo,
+    pub(super) hidden: &'static dyn AnyEffect,
     /// The filter that lacks it.
     pub(super) base: &'static str,
     pub(super) truth: Truth,
@@ -66,38 +55,35 @@ pub(super) struct Story {
     pub(super) after: Option<Fit>,
 }
 
-/// Names of the effects that can be hidden: those that the filter for them lacks.
+/// Names of the effects that can be hidden: those that some filter of a turntable lacks.
 pub(super) fn hideable() -> Vec<&'static str> {
-    let lacks = |effect: &&EffectInfo| !states(base_for(effect.name())).contains(&effect.name());
-    sinscal::EFFECTS.iter().filter(lacks).map(EffectInfo::name).collect()
+    let lacked = |effect: &&&'static dyn AnyEffect| base_for(**effect).is_some();
+    vocabulary().effects().iter().filter(lacked).map(|effect| effect.name()).collect()
 }
 
-/// Dither acts through inner lever arms: the filter that lacks it knows those.
-fn base_for(effect: &str) -> &'static str {
-    if effect == "dither-size-effect" { "39d-p" } else { "36d-p" }
+/// The first filter of a turntable that lacks an effect; dither acts through inner lever arms, so the filter that lacks it knows
+/// those.
+fn base_for(effect: &'static dyn AnyEffect) -> Option<Arc<dyn AnyFilter>> {
+    let dithers = effect.id() == <dyn AnyEffect>::of::<DitherSizeEffect>().id();
+    let lacks = |filter: &&Arc<dyn AnyFilter>| {
+        filter.measures() == ["velocity", "position"]
+            && !names(&***filter).contains(&effect.name())
+            && (!dithers || filter.blocks().iter().any(|leaf| leaf.is::<InnerLeverArm>()))
+    };
+    vocabulary().filters().find(lacks).cloned()
 }
 
 /// Names of a filter's effects.
-fn states(filter: &str) -> Vec<&'static str> {
-    struct Names;
-    impl FilterVisitor for Names {
-        type Output = Vec<&'static str>;
-
-        fn visit<F: Filter<Dynamics = Strapdown>>(self) -> Self::Output {
-            let mut names = Vec::new();
-            F::states(&mut |info| names.push(info.block));
-            names
-        }
-    }
-    visit_filter(filter, Names).unwrap_or_default()
+fn names(filter: &dyn AnyFilter) -> Vec<&'static str> {
+    filter.blocks().iter().map(|leaf| leaf.name).collect()
 }
 
 impl Story {
     /// Draws unit `seed`, hides the effect called `hide` in it, and looks for it.
     pub(super) fn tell(seed: u64, hide: &str) -> Result<Self> {
-        let hidden = sinscal::effect(hide).ok_or_else(|| miette!("there is no effect called {hide}"))?;
-        let base = base_for(hide);
-        let scenario = scenario(hidden, base)?;
+        let hidden = vocabulary().effect(hide).map_err(|error| miette!("{error}"))?;
+        let base = base_for(hidden).ok_or_else(|| miette!("every filter of a turntable has {hide}"))?;
+        let scenario = scenario(hidden, &*base)?;
         let bar = say::progress_bar(100, "simulating");
         let first = Run::new(&scenario, seed)?;
         let second = Run::new(&again(&scenario), seed)?;
@@ -107,43 +93,43 @@ impl Story {
         let setups = [&first, &second].map(|run| run.description.setup(&[]));
         let log = gap::Log { samples: &first.samples, setup: &setups[0] };
         let verify = gap::Log { samples: &second.samples, setup: &setups[1] };
-        let options = Options { seed, ..Options::default() };
-        let found = gap::diagnose_named(base, &log, Some(&verify), &options, &mut |stage, done| {
+        let options = gap::Options { seed, ..gap::Options::default() };
+        let effects = vocabulary().effects();
+        let found = gap::diagnose(&*base, effects, &log, Some(&verify), &options, &mut |stage, done| {
             bar.set_message(stage);
             bar.set_position((80.0 * done) as u64);
         })
-        .ok_or_else(|| miette!("there is no filter called {base}"))?
         .map_err(|error| miette!("the demonstration: {error}"))?;
 
         bar.set_message("navigating");
         bar.set_position(85);
-        let names: Vec<&str> = found.effects.iter().map(|effect| effect.name.as_str()).collect();
-        let known = states(base);
-        let with_found: Vec<&str> = known.iter().copied().chain(names.iter().copied()).collect();
+        let added: Vec<String> = found.effects.iter().map(|effect| effect.name.clone()).collect();
+        let with_found = (!added.is_empty()).then(|| compose(base.name(), &added, &[])).transpose()?;
         let (before, after) = rayon::join(
-            || Fit::new(&first, &swing, &known),
-            || (!names.is_empty()).then(|| Fit::new(&first, &swing, &with_found)),
+            || Fit::new(&first, &swing, &base),
+            || with_found.map(|filter| Fit::new(&first, &swing, &filter)),
         );
         bar.finish_and_clear();
-        let failed = |error: Diverged| miette!("the demonstration: {error}");
+        let failed = |error: runs::Error| miette!("the demonstration: {error}");
         let (before, after) = (before.map_err(failed)?, after.transpose().map_err(failed)?);
+        let base = base.name();
         Ok(Self { seed, hidden, base, truth, first, found, before, after })
     }
 }
 
 /// The default population, but of all effects only those of the filter, and the hidden one.
-fn scenario(hidden: &'static EffectInfo, base: &str) -> Result<Scenario> {
+fn scenario(hidden: &'static dyn AnyEffect, base: &dyn AnyFilter) -> Result<Scenario> {
     let mut scenario = Scenario::default().with_rate(RATE).map_err(|error| miette!("{error}"))?;
-    let own = states(base);
+    let own = names(base);
     scenario.keep_effects(|name| own.contains(&name) || name == hidden.name());
     let known = scenario.population.iter().any(|population| population.effect.name() == hidden.name());
-    if !known && hidden.name() != "dither-size-effect" {
-        let size = vec![SIZE * hidden.prior_sigma; hidden.components().len()];
+    let dithers = hidden.name() == DitherSizeEffect::EFFECT.name();
+    if !known && !dithers {
+        let size = vec![SIZE * hidden.info().prior_sigma; hidden.dim()];
         let sigma = size.iter().map(|size| 0.5 * size).collect();
         scenario.population.push(Population { effect: hidden, mean: size, sigma });
     }
-    scenario.dither.mode =
-        if hidden.name() == "dither-size-effect" { DitherMode::Mean } else { DitherMode::Off };
+    scenario.dither.mode = if dithers { DitherMode::Mean } else { DitherMode::Off };
     scenario.dither.period = 3000.0;
     scenario.dither.change = 0.3;
     scenario.temperature.profile =
@@ -195,101 +181,14 @@ impl Run {
     }
 }
 
-/// The smallest filter with every effect that it may lack: with priors of zero for what is not taken, each of the filters that
-/// are compared.
-type Everything = Extended<Sins36P, Candidates, CandidateStates>;
-
 impl Fit {
-    /// Calibrates `run` with a filter of the given effects, and navigates on `swing`.
-    fn new(run: &Run, swing: &Run, effects: &[&str]) -> Result<Self, Diverged> {
-        let setup = run.description.setup(&[]);
-        let own = states(Sins36P::NAME);
-        let mut calibration =
-            Box::new(Calibration::<Everything>::with_prior(&setup, |state, info, sigma| {
-                // what the filter declares stands among the candidates once more
-                let candidate = effects.contains(&info.block) && !own.contains(&info.block);
-                if state < Sins36P::DIM || candidate { sigma } else { 0.0 }
-            }));
-        let taken = |calibration: &Calibration<Everything>, visit: &mut dyn FnMut(Parameter)| {
-            calibration.parameters(&mut |parameter| {
-                if parameter.prior_sigma > 0.0 {
-                    visit(parameter);
-                }
-            });
-        };
-        let mut width = 0;
-        taken(&calibration, &mut |_| width += 1);
-        let mut history = History::new(width);
-        let mut observer = None;
-        for pass in 0..PASSES {
-            if pass > 0 {
-                calibration.begin_pass();
-                history.clear();
-            }
-            if pass + 1 == PASSES {
-                observer = Some(Innovations::default());
-            }
-            for sample in &run.samples {
-                let update = calibration.step_observed(sample, &mut observer)?;
-                if update.is_some() && history.due() {
-                    history.push(sample.time, |put| {
-                        taken(&calibration, &mut |parameter| put(parameter.value, parameter.sigma));
-                    });
-                }
-            }
-        }
-        let mut parameters = Vec::new();
-        taken(&calibration, &mut |parameter| parameters.push(parameter));
-        let (drift, track) = fly(&swing.samples, &swing.description.setup(&[]), &calibration.estimate())?;
-        Ok(Self {
-            parameters,
-            history,
-            statistics: *calibration.statistics(),
-            residuals: observer.map_or(Vec::new(), Innovations::finish),
-            drift,
-            track,
-        })
+    /// Calibrates `run` with a filter, and navigates on `swing`.
+    fn new(run: &Run, swing: &Run, filter: &Arc<dyn AnyFilter>) -> Result<Self, runs::Error> {
+        let options = Options { passes: PASSES, residuals: true, ..Options::of(&**filter) };
+        let outcome = calibrate(&**filter, &run.samples, &run.description.setup(&[]), &options, &mut ())?;
+        let calibrated = Calibrated { filter: filter.clone(), values: outcome.values() };
+        let setup = swing.description.setup(&[]);
+        let (mut flights, _) = navigate(&swing.samples, &|| vec![calibrated.pilot(&setup)], ALIGNMENT)?;
+        Ok(Self { outcome, flight: flights.swap_remove(0) })
     }
-
-    /// Largest horizontal error, nautical miles.
-    pub(super) fn largest(&self) -> f64 {
-        self.drift.largest / NAUTICAL_MILE
-    }
-
-    /// Horizontal error at the end, nautical miles.
-    pub(super) fn last(&self) -> f64 {
-        self.drift.last / NAUTICAL_MILE
-    }
-
-    /// Length of the navigation, h.
-    pub(super) fn hours(&self) -> f64 {
-        self.drift.duration / 3600.0
-    }
-}
-
-/// Aligns over the first minutes of a log, then navigates it.
-fn fly(
-    samples: &[Sample],
-    setup: &Setup,
-    parameters: &Vector<Everything, f64>,
-) -> Result<(Drift, Track), Diverged> {
-    let mut alignment = Alignment::<Everything>::new(setup, parameters);
-    for sample in samples.iter().take_while(|sample| sample.time <= ALIGNMENT) {
-        alignment.step(sample)?;
-    }
-    let mut flight = FreeInertial::<Everything>::new(setup, parameters);
-    if let Some((time, solution)) = alignment.finish() {
-        flight.depart(time, solution);
-    }
-    let mut track = Vec::new();
-    let mut compared = 0;
-    for sample in samples {
-        if let Some(error) = flight.step(sample) {
-            if compared % TRACK == 0 {
-                track.push((sample.time, error.x, error.y));
-            }
-            compared += 1;
-        }
-    }
-    Ok((*flight.drift(), track))
 }

@@ -4,14 +4,15 @@ use std::path::Path;
 
 use miette::{Result, miette};
 use serde_json::Value;
-use sinscal::{Block, Dither, EffectInfo, Filter, FilterVisitor, Strapdown, visit_filter};
+use sinscal::EffectInfo;
 
 use crate::navigate;
-use crate::report::origin;
+use crate::origin;
+use crate::vocabulary::vocabulary;
 
 /// A calibration to be written in another form.
 pub(super) struct Calibration {
-    pub(super) filter: &'static str,
+    pub(super) filter: String,
     /// Lines on where it comes from.
     pub(super) source: Vec<String>,
     /// Temperature at which the temperature effects vanish, degC, where the calibration says so.
@@ -39,17 +40,6 @@ impl Calibration {
     }
 }
 
-/// Whether a filter models what dither does to the accelerometers.
-struct Dithers;
-
-impl FilterVisitor for Dithers {
-    type Output = bool;
-
-    fn visit<F: Filter<Dynamics = Strapdown>>(self) -> bool {
-        F::SET.contains(Dither::SET)
-    }
-}
-
 /// Reads and checks the calibration in `path`.
 pub(super) fn read(path: &Path) -> Result<Calibration> {
     let at = path.display();
@@ -66,7 +56,13 @@ pub(super) fn read(path: &Path) -> Result<Calibration> {
                 ));
             }
         };
-        let Some(effect) = sinscal::EFFECTS.iter().find(|effect| effect.name() == name) else { continue };
+        let Ok(effect) = vocabulary().effect(&name) else {
+            return Err(miette!(
+                help = "register it with the program: `.effect::<...>()`",
+                "{at}: `{name}` has no equation that could be written: it is a block of this program, and no effect"
+            ));
+        };
+        let effect = effect.info();
         let estimate = Estimate { component, value, sigma };
         match effects.iter_mut().find(|(info, _)| info.name() == name) {
             Some((_, estimates)) => estimates.push(estimate),
@@ -77,10 +73,10 @@ pub(super) fn read(path: &Path) -> Result<Calibration> {
         return Err(miette!("{at}: nothing was estimated, so there is nothing to write"));
     }
     Ok(Calibration {
-        filter: calibrated.filter,
-        source: source(path, calibrated.filter, &document)?,
+        filter: calibrated.filter.title(),
+        source: source(path, &calibrated.filter.title(), &document)?,
         reference_temperature: document["reference_temperature_c"].as_f64(),
-        dither: visit_filter(calibrated.filter, Dithers).unwrap_or_default(),
+        dither: calibrated.filter.needs_dither(),
         pulses: [("gyro-pulse", "rad", "gyro_rad_per_pulse"), ("accel-pulse", "m/s", "accel_m_s_per_pulse")]
             .into_iter()
             .filter_map(|(name, unit, field)| {

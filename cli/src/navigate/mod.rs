@@ -1,19 +1,21 @@
 //! `sinscal navigate`: free-inertial navigation with a calibration applied.
 
 pub(crate) mod read;
-pub(crate) mod run;
 
 use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
+use logs::Log;
 use miette::{IntoDiagnostic, Result};
+use runs::{Calibrated, Flight, navigate};
 use serde::Serialize;
 
-use self::run::Flight;
 use crate::arguments::{ALIGNMENT, LogArgument, Results, alignment};
-use crate::report::inputs::Inputs;
-use crate::report::{Report as Page, Section, Tone, parts};
+use crate::origin::{Documented as _, inputs};
+use crate::setup;
+use crate::source::{Source, fault};
+use reports::{Report as Page, Section, Tone, parts};
 
 /// What its help ends with.
 const EXAMPLES: &str = "\
@@ -41,7 +43,7 @@ pub(crate) struct Arguments {
 
 #[derive(Serialize)]
 struct Report {
-    filter: &'static str,
+    filter: String,
     hours: f64,
     max_horizontal_nmi: f64,
     final_horizontal_nmi: f64,
@@ -53,11 +55,11 @@ impl Arguments {
         let target = self.results.target()?;
         let (calibrated, _) = read::read(&self.calibration)?;
         let log = self.log.open()?;
-        let (flights, alignment_s) = run::navigate(&log, &[calibrated], self.align)?;
+        let (flights, alignment_s) = fly(&log, &[calibrated], self.align)?;
         let Some(flight) = flights.first() else { return Ok(()) };
         let (hours, largest, last) = (flight.hours(), flight.largest(), flight.last());
         let report = Report {
-            filter: flight.filter,
+            filter: flight.filter.clone(),
             hours,
             max_horizontal_nmi: largest,
             final_horizontal_nmi: last,
@@ -83,12 +85,12 @@ impl Arguments {
                     ("duration".into(), format!("{hours:.2} h")),
                     ("alignment".into(), format!("{alignment_s:.0} s")),
                 ],
-                sections: vec![section(&flights), Inputs::of(&log)?.section()],
+                sections: vec![section(&flights), inputs(&log)?.section()],
                 origin: Vec::new(),
                 attachments: Vec::new(),
             };
             page.with_program()
-                .with("filter", flight.filter)
+                .with("filter", flight.filter.clone())
                 .with_file("calibration", &self.calibration)
                 .with_log(&log)
                 .write(files, folder)
@@ -96,9 +98,17 @@ impl Arguments {
     }
 }
 
+/// Navigates `log` with each of the calibrations, aligned over its first `align` seconds. Returns also the length of the
+/// alignment: half the log where that is shorter.
+pub(crate) fn fly(log: &Log, calibrations: &[Calibrated], align: f64) -> Result<(Vec<Flight>, f64)> {
+    let setup = setup::of(log, setup::initial(log)?);
+    let board = || calibrations.iter().map(|calibrated| calibrated.pilot(&setup)).collect();
+    navigate(&Source::new(log, "navigating"), &board, align).map_err(|error| fault(log, error))
+}
+
 /// Errors over time as a section of a report.
 pub(crate) fn section(flights: &[Flight]) -> Section {
-    parts::navigation(flights.iter().map(|flight| (flight.filter, flight.track.as_slice())))
+    parts::navigation(flights.iter().map(|flight| (flight.filter.as_str(), flight.track.as_slice())))
 }
 
 /// Errors over time, as comma-separated text in SI units.

@@ -4,29 +4,18 @@ use std::path::Path;
 
 use logs::suggest;
 use miette::{Result, miette};
+use runs::{Calibrated, Values};
 use serde_json::Value;
-use sinscal::{Filter, FilterVisitor, StateInfo, Strapdown, visit_filter};
+use sinscal::StateInfo;
 
-use super::run::{Calibrated, Values};
+use crate::compose::compose;
+use crate::vocabulary::vocabulary;
 
 /// Calibrations are small; what is larger is some other file.
 const LARGEST: u64 = 16 << 20;
 
 /// A parameter beyond so many default priors is no calibration of an inertial unit, and the filter could not follow it.
 const ABSURD: f64 = 1e6;
-
-/// The parameters of a filter.
-struct Known;
-
-impl FilterVisitor for Known {
-    type Output = Vec<StateInfo>;
-
-    fn visit<F: Filter<Dynamics = Strapdown>>(self) -> Self::Output {
-        let mut known = Vec::new();
-        F::states(&mut |info| known.push(info));
-        known.split_off(<F::Dynamics as sinscal::Dynamics>::CORE)
-    }
-}
 
 /// Reads and checks the calibration in `path`; also gives the document as a whole.
 pub(crate) fn read(path: &Path) -> Result<(Calibrated, Value)> {
@@ -65,23 +54,26 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Calibrated, Value), Fault> {
     if !document.is_object() {
         return Err(whole(format!("holds {}, an object was expected", kind(&document))));
     }
-    let filters = sinscal::FILTERS.iter().map(|filter| filter.name);
+    let filters = vocabulary().filters().map(|filter| filter.name());
     let name = match document.get("filter") {
         Some(Value::String(name)) => name,
         other => return Err(wrong("filter", other, "the name of a filter")),
     };
-    let Some(filter) = filters.clone().find(|known| known.eq_ignore_ascii_case(name)) else {
+    let Ok(base) = vocabulary().filter(name) else {
         return Err(fault(
             "filter",
             format!("there is no filter called {name}"),
             suggest::hint(name, filters),
         ));
     };
+    let chosen = compose(base.name(), &names(&document, "with")?, &names(&document, "without")?)
+        .map_err(|error| fault("with", error.to_string(), "the effects that were added to the filter"))?;
     let list = match document.get("parameters") {
         Some(Value::Array(list)) => list,
         other => return Err(wrong("parameters", other, "a list of parameters")),
     };
-    let known = visit_filter(filter, Known).unwrap_or_default();
+    let (filter, known) = (chosen.title(), chosen.parameters());
+    let filter = filter.as_str();
     let mut values = Values::new();
     for (index, parameter) in list.iter().enumerate() {
         let value = read_parameter(&format!("parameters[{index}]"), parameter, filter, &known, &values)?;
@@ -93,7 +85,19 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Calibrated, Value), Fault> {
         let problem = format!("`{} {}` of {filter} is missing", info.block, info.component);
         return Err(fault("parameters", problem, "every parameter of the filter must be there"));
     }
-    Ok((Calibrated { filter, values }, document))
+    Ok((Calibrated { filter: chosen, values }, document))
+}
+
+/// A list of names, empty where there is none.
+fn names(document: &Value, field: &str) -> Result<Vec<String>, Fault> {
+    let expected = || wrong(field, document.get(field), "a list of names");
+    match document.get(field) {
+        None => Ok(Vec::new()),
+        Some(Value::Array(list)) => {
+            list.iter().map(|name| name.as_str().map(str::to_owned).ok_or_else(expected)).collect()
+        }
+        Some(_) => Err(expected()),
+    }
 }
 
 /// One entry of the list, which comes after `before`.
@@ -181,7 +185,7 @@ mod tests {
 
     /// A calibration that found nothing.
     fn sound() -> Vec<u8> {
-        let known = visit_filter("43d-b", Known).unwrap_or_default();
+        let known = vocabulary().filter("43d-b").map(|filter| filter.parameters()).unwrap_or_default();
         let parameter = |info: &StateInfo| serde_json::json!({ "name": info.block, "component": info.component, "value": 1e-9, "unit": info.unit });
         let parameters: Vec<Value> = known.iter().map(parameter).collect();
         serde_json::json!({ "filter": "43d-b", "parameters": parameters }).to_string().into_bytes()

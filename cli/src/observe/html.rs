@@ -1,27 +1,26 @@
 //! The report of what a log can tell a filter.
 
 use miette::Result;
-use sinscal::FilterInfo;
+use runs::{Analysis, AnyFilter, SPANS, State};
 use sinscal::observability::{EXCITED, TOLERANCE};
 
-use super::analysis::{Analysis, SPANS};
 use super::report::{figure as curves, name, verdict};
-use crate::draw::{Curve, Figure, Style};
-use crate::figures::significant;
-use crate::report::inputs::Inputs;
-use crate::report::{Cell, Item, Report, Section, Table, Tone, number, text};
+use crate::origin::{Documented as _, inputs};
 use logs::Log;
+use reports::figures::significant;
+use reports::{Cell, Item, Report, Section, Table, Tone, number, text};
+use reports::{Curve, Figure, Style};
 
 /// Degrees from the first, the lightest field of the map, to the second, the darkest.
 const SHADES: [f64; 2] = [1e-2, 1e4];
 
 /// Everything about the observability, in the order a reviewer reads.
-pub(super) fn report(log: &Log, filter: &FilterInfo, analysis: &Analysis) -> Result<Report> {
+pub(super) fn report(log: &Log, filter: &dyn AnyFilter, analysis: &Analysis) -> Result<Report> {
     let (rank, states) = (analysis.rank, analysis.states.len());
     let smallest = analysis.singular_values.last().copied().unwrap_or(0.0);
     let report = Report {
-        title: format!("What {} can tell {}", log.table().display(), filter.name),
-        verdict: verdict(filter.name, analysis),
+        title: format!("What {} can tell {}", log.table().display(), filter.title()),
+        verdict: verdict(&filter.title(), analysis),
         tone: if rank == states { Tone::Good } else { Tone::Bad },
         facts: vec![
             ("rank".into(), format!("{rank} of {states}")),
@@ -30,18 +29,13 @@ pub(super) fn report(log: &Log, filter: &FilterInfo, analysis: &Analysis) -> Res
             ("of them turning".into(), analysis.turning.to_string()),
             ("weak combinations".into(), analysis.weak.len().to_string()),
         ],
-        sections: vec![
-            words(analysis),
-            degrees(analysis),
-            singular_values(analysis),
-            Inputs::of(log)?.section(),
-        ],
+        sections: vec![words(analysis), degrees(analysis), singular_values(analysis), inputs(log)?.section()],
         origin: Vec::new(),
         attachments: Vec::new(),
     };
     Ok(report
         .with_program()
-        .with("filter", format!("{}: {} states", filter.name, filter.states))
+        .with("filter", format!("{}: {} states", filter.title(), states))
         .with("tolerance", format!("{TOLERANCE} sigma of a reading; rounding {:.0e}", analysis.rounding))
         .with_log(log))
 }
@@ -86,7 +80,7 @@ pub(crate) fn degrees(analysis: &Analysis) -> Section {
     let mut names = vec!["state"];
     names.extend(head.iter().map(String::as_str));
     names.extend(["whole log", "prior sigma", "to expect", "unit", "left of the prior"]);
-    let row = |state: &super::analysis::State| {
+    let row = |state: &State| {
         let info = &state.info;
         let sheet = |sigma: f64| significant(sigma / info.sheet_scale);
         let mut row = vec![text(name(info))];

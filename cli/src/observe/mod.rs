@@ -1,13 +1,17 @@
 //! `sinscal observe`: what a log can tell a filter.
 
-pub(crate) mod analysis;
 pub(crate) mod html;
 pub(crate) mod report;
 
 use clap::Args;
-use miette::{Result, miette};
+use miette::Result;
+
+use runs::observe;
 
 use crate::arguments::{FilterArgument, LogArgument, Results};
+use crate::origin::Documented as _;
+use crate::source::{Source, fault};
+use crate::{say, setup};
 
 /// What its help ends with.
 const EXAMPLES: &str = "\
@@ -32,18 +36,23 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let target = self.results.target()?;
-        let filter = self.filter.filter;
+        let filter = self.filter.filter()?;
+        let filter = &*filter;
         let log = self.log.open()?;
-        let analysis = analysis::analyse(&log, filter.name)?
-            .ok_or_else(|| miette!("there is no filter called {}", filter.name))?;
+        let setup = setup::of(&log, setup::initial(&log)?);
+        let source = Source::new(&log, "observing");
+        let analysis = observe(filter, &source, &setup).map_err(|error| fault(&log, error))?;
+        drop(source);
+        if let Some(error) = analysis.diverged {
+            let table = log.table().display();
+            say::warn(&format!("{table}: {error}; the sigmas to expect are left out"));
+        }
+        let title = filter.title();
         let json = report::Report::new(filter, &analysis).render()?;
-        let text = report::table(filter.name, &analysis);
-        target.write(
-            "observability",
-            &json,
-            &text,
-            &report::verdict(filter.name, &analysis),
-            |files, folder| html::report(&log, filter, &analysis)?.write(files, folder),
-        )
+        let text = report::table(&title, &analysis);
+        let verdict = report::verdict(&title, &analysis);
+        target.write("observability", &json, &text, &verdict, |files, folder| {
+            html::report(&log, filter, &analysis)?.write(files, folder)
+        })
     }
 }

@@ -3,13 +3,13 @@
 use std::fmt::Write;
 
 use miette::{IntoDiagnostic, Result};
+use runs::{Analysis, AnyFilter, SPANS, State};
 use serde::Serialize;
+use sinscal::StateInfo;
 use sinscal::observability::{Direction, EXCITED, TOLERANCE};
-use sinscal::{FilterInfo, StateInfo};
 
-use super::analysis::{Analysis, SPANS, State};
-use crate::draw::{Curve, Figure, Style};
-use crate::figures::significant;
+use reports::figures::significant;
+use reports::{Curve, Figure, Style};
 
 /// The paper's figure shows the last thirteen states.
 const LAST: usize = 13;
@@ -21,6 +21,10 @@ const LEAST_DRAWN: f64 = 1e-3;
 #[derive(Serialize)]
 pub(super) struct Report {
     filter: &'static str,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    with: Vec<&'static str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    without: Vec<&'static str>,
     rank: usize,
     states: usize,
     tolerance: f64,
@@ -62,7 +66,7 @@ fn words(directions: &[Direction]) -> Vec<String> {
 }
 
 impl Report {
-    pub(super) fn new(filter: &FilterInfo, analysis: &Analysis) -> Self {
+    pub(super) fn new(filter: &dyn AnyFilter, analysis: &Analysis) -> Self {
         let degrees = analysis.states.iter().map(|state| Degree {
             state: name(&state.info),
             spans: state.spans,
@@ -77,7 +81,9 @@ impl Report {
             .iter()
             .map(|(direction, left)| Weak { combination: direction.to_string(), sigma_left: *left });
         Self {
-            filter: filter.name,
+            filter: filter.name(),
+            with: filter.with(),
+            without: filter.without(),
             rank: analysis.rank,
             states: analysis.states.len(),
             tolerance: TOLERANCE,

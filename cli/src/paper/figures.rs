@@ -4,55 +4,16 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use miette::Result;
-use nalgebra::Vector3;
-use study::{FilterResult, Watch};
+use runs::{Flight, SPANS};
+use study::FilterResult;
 
 use super::Findings;
-use crate::draw::{Curve, Figure, Style};
-use crate::observe::analysis::SPANS;
 use crate::observe::report::name;
 use crate::output::Files;
+use reports::{Curve, Figure, Style};
 
 /// The filter whose parameters the figures show.
-const SHOWN: &str = "43d-b";
-/// A point of figure 15 every so often, s.
-const STEP: f64 = 60.0;
-
-/// Time, east and north error, s and m.
-type Track = Vec<(f64, f64, f64)>;
-
-/// What happened to one unit over time.
-#[derive(Default)]
-pub(super) struct Traces {
-    /// Time, then estimate and sigma of each parameter of the filter shown.
-    estimates: Vec<(f64, Vec<(f64, f64)>)>,
-    /// By filter: time, east and north error, m.
-    errors: Vec<(String, Track)>,
-}
-
-impl Watch for Traces {
-    fn estimates(&mut self, filter: &str, time: f64, parameters: &[(f64, f64)]) {
-        if filter == SHOWN {
-            self.estimates.push((time, parameters.to_vec()));
-        }
-    }
-
-    fn error(&mut self, filter: &str, time: f64, error: &Vector3<f64>) {
-        let at = match self.errors.iter().position(|(name, _)| name == filter) {
-            Some(at) => at,
-            None => {
-                self.errors.push((filter.to_owned(), Vec::new()));
-                self.errors.len() - 1
-            }
-        };
-        let track = &mut self.errors[at].1;
-        // half a second of slack, so that rounding does not skip a point
-        if track.last().is_none_or(|(last, _, _)| time >= last + STEP - 0.5) {
-            track.push((time, error.x, error.y));
-        }
-    }
-}
-
+pub(super) const SHOWN: &str = "43d-b";
 /// Files of the figures, and what they show by the names of the parameters in them.
 const PARAMETERS: [(&str, &[&str]); 8] = [
     ("figure-07-gyro-scale", &["gyro-scale"]),
@@ -68,7 +29,7 @@ const PARAMETERS: [(&str, &[&str]); 8] = [
 /// Writes all figures.
 pub(super) fn write(findings: &Findings, files: &mut Files, folder: &Path) -> Result<()> {
     files.write(&folder.join("figure-05-observability.csv"), |out| figure_5(findings, out))?;
-    let shown = findings.first.filters.iter().find(|filter| filter.filter == SHOWN);
+    let shown = findings.first.result.filters.iter().find(|filter| filter.filter == SHOWN);
     if let Some(shown) = shown {
         for (file, blocks) in PARAMETERS {
             files
@@ -78,9 +39,15 @@ pub(super) fn write(findings: &Findings, files: &mut Files, folder: &Path) -> Re
     files.write(&folder.join("figure-15-errors.csv"), |out| figure_15(findings, out))
 }
 
+/// Time, then estimate and sigma of each parameter of the filter shown.
+fn estimates(findings: &Findings) -> impl Iterator<Item = (f64, &[(f64, f64)])> {
+    let shown = findings.first.outcomes.iter().filter(|outcome| outcome.filter == SHOWN);
+    shown.flat_map(|outcome| outcome.history.rows())
+}
+
 /// Figs. 7 to 14.
 pub(super) fn convergences(findings: &Findings) -> Vec<Figure> {
-    let shown = findings.first.filters.iter().find(|filter| filter.filter == SHOWN);
+    let shown = findings.first.result.filters.iter().find(|filter| filter.filter == SHOWN);
     let figures = |shown| PARAMETERS.map(|(file, blocks)| convergence(findings, shown, file, blocks));
     shown.map(figures).into_iter().flatten().collect()
 }
@@ -93,7 +60,7 @@ fn convergence(findings: &Findings, shown: &FilterResult, file: &'static str, bl
             continue;
         }
         let name = format!("{} {}", parameter.name, parameter.component);
-        let estimates = &findings.traces.estimates;
+        let estimates: Vec<_> = estimates(findings).collect();
         let points = estimates.iter().map(|(time, all)| (*time, all[i].0)).collect();
         let band = estimates.iter().map(|(_, all)| 3.0 * all[i].1).collect();
         curves.push(Curve::new(name.clone(), Style::Full, points).with_band(band));
@@ -112,9 +79,10 @@ fn convergence(findings: &Findings, shown: &FilterResult, file: &'static str, bl
 
 /// Horizontal error of free-inertial navigation with each filter's calibration (Fig. 15).
 pub(super) fn navigation(findings: &Findings) -> Figure {
-    let curves = findings.traces.errors.iter().map(|(filter, track)| {
-        let points = track.iter().map(|(time, east, north)| (time / 3600.0, east.hypot(*north) / 1852.0));
-        Curve::new(filter.clone(), Style::Full, points.collect())
+    let curves = findings.first.flights.iter().map(|flight| {
+        let points =
+            flight.track.iter().map(|(time, east, north)| (time / 3600.0, east.hypot(*north) / 1852.0));
+        Curve::new(flight.filter.clone(), Style::Full, points.collect())
     });
     Figure {
         file: "figure-15-errors".into(),
@@ -150,7 +118,7 @@ fn parameters(
         write!(out, ",{name},{name}.three_sigma,{name}.truth")?;
     }
     writeln!(out)?;
-    for (time, estimates) in &findings.traces.estimates {
+    for (time, estimates) in estimates(findings) {
         write!(out, "{time}")?;
         for i in &which {
             let (value, sigma) = estimates[*i];
@@ -162,16 +130,16 @@ fn parameters(
 }
 
 fn figure_15(findings: &Findings, out: &mut dyn Write) -> io::Result<()> {
-    let errors = &findings.traces.errors;
+    let flights = &findings.first.flights;
     write!(out, "time_s")?;
-    for (filter, _) in errors {
+    for Flight { filter, .. } in flights {
         write!(out, ",{filter}.east_m,{filter}.north_m,{filter}.horizontal_m")?;
     }
     writeln!(out)?;
-    let points = errors.iter().map(|(_, track)| track.len()).min().unwrap_or(0);
+    let points = flights.iter().map(|flight| flight.track.len()).min().unwrap_or(0);
     for i in 0..points {
-        write!(out, "{}", errors[0].1[i].0)?;
-        for (_, track) in errors {
+        write!(out, "{}", flights[0].track[i].0)?;
+        for Flight { track, .. } in flights {
             let (_, east, north) = track[i];
             write!(out, ",{east:.3},{north:.3},{:.3}", east.hypot(north))?;
         }

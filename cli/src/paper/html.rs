@@ -3,7 +3,8 @@
 use super::{Findings, figures, report, size_effect};
 use crate::campaign::html as campaign;
 use crate::observe::html as observe;
-use crate::report::{Item, Report, Section, Tone};
+use crate::origin::Documented as _;
+use reports::{Item, Report, Section, Tone};
 
 pub(super) fn page(findings: &Findings, text: &str) -> Report {
     let analysis = &findings.observability;
@@ -30,7 +31,7 @@ pub(super) fn page(findings: &Findings, text: &str) -> Report {
             ("units".into(), summary.units.to_string()),
             ("navigation".into(), format!("{} h", findings.plan.hours)),
             ("rank of 43d-b".into(), format!("{} of {}", analysis.rank, analysis.states.len())),
-            ("first unit".into(), findings.first.unit.to_string()),
+            ("first unit".into(), findings.first.result.unit.to_string()),
         ],
         sections,
         origin: Vec::new(),

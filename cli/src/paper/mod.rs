@@ -15,14 +15,16 @@ use miette::{IntoDiagnostic, Result, miette};
 use rayon::prelude::*;
 use rig::Simulation;
 use rig::analyses::delay;
-use study::{Plan, Summary, UnitResult};
+use runs::{Analysis, observe};
+use sinscal::Sample;
+use study::{Plan, Summary, Traced, UnitResult};
 
-use self::figures::Traces;
-use crate::ablate::run::FILTERS;
+use crate::ablate::paper;
 use crate::arguments::{ALIGNMENT, Drawn, Results, hours};
 use crate::campaign::motion;
-use crate::observe::analysis::{Analysis, look};
+use crate::origin::Documented as _;
 use crate::say::progress_bar;
+use crate::vocabulary::vocabulary;
 
 /// Points of figure 3.
 const POINTS: u32 = 100;
@@ -60,9 +62,7 @@ struct Findings {
     delay: delay::Turn,
     delay_errors: Vec<delay::Errors>,
     observability: Analysis,
-    /// Of the first unit.
-    traces: Traces,
-    first: UnitResult,
+    first: Traced,
     units: Vec<UnitResult>,
     summary: Summary,
     seconds: f64,
@@ -74,7 +74,7 @@ impl Arguments {
         let target = self.results.target()?;
         let plan = Plan {
             scenario: self.drawn.load()?,
-            filters: FILTERS.map(str::to_owned).to_vec(),
+            filters: paper()?,
             passes: 2,
             hours: self.hours,
             alignment: ALIGNMENT,
@@ -84,17 +84,16 @@ impl Arguments {
         let simulation =
             Simulation::new(&plan.scenario, self.drawn.seed).map_err(|error| miette!("{error}"))?;
         let description = simulation.description().clone();
-        let extent = (0.0, plan.scenario.duration());
-        let samples = Box::new(simulation.map(Ok));
-        let observability = look("43d-b", &description.setup(&[]), "the simulated log", extent, samples)
-            .unwrap_or_else(|| Err(miette!("there is no filter called 43d-b")))?;
-        let (results, traces) = units(&plan, self.drawn.seed, self.units)?;
-        let first = results.first().cloned().ok_or_else(|| miette!("there is no unit"))?;
+        let samples: Vec<Sample> = simulation.collect();
+        let shown = vocabulary().filter(figures::SHOWN).map_err(|error| miette!("{error}"))?;
+        let observability =
+            observe(&*shown, &samples, &description.setup(&[])).map_err(|error| miette!("{error}"))?;
+        drop(samples);
+        let (results, first) = units(&plan, self.drawn.seed, self.units)?;
         let findings = Findings {
             delay_errors: delay.errors(POINTS),
             delay,
             observability,
-            traces,
             first,
             summary: Summary::new(&results),
             units: results,
@@ -111,19 +110,18 @@ impl Arguments {
     }
 }
 
-/// Puts the units through the plan; the first one is watched.
-fn units(plan: &Plan, seed: u64, count: u64) -> Result<(Vec<UnitResult>, Traces)> {
+/// Puts the units through the plan; of the first one everything is kept.
+fn units(plan: &Plan, seed: u64, count: u64) -> Result<(Vec<UnitResult>, Traced)> {
     let bar = progress_bar(count, "units");
-    let results: Result<Vec<(UnitResult, Traces)>> = (seed..seed + count)
-        .into_par_iter()
-        .map(|unit| {
-            let mut traces = Traces::default();
-            let result = if unit == seed { plan.unit_watched(unit, &mut traces) } else { plan.unit(unit) };
-            bar.inc(1);
-            Ok((result.map_err(|error| miette!("{error}"))?, traces))
-        })
-        .collect();
+    let one = |unit| {
+        let traced = plan.unit_traced(unit).map_err(|error| miette!("{error}"))?;
+        bar.inc(1);
+        Ok((traced.result.clone(), (unit == seed).then_some(traced)))
+    };
+    let results: Result<Vec<(UnitResult, Option<Traced>)>> =
+        (seed..seed + count).into_par_iter().map(one).collect();
     bar.finish_and_clear();
-    let (results, traces): (Vec<UnitResult>, Vec<Traces>) = results?.into_iter().unzip();
-    Ok((results, traces.into_iter().next().unwrap_or_default()))
+    let (results, traced): (Vec<UnitResult>, Vec<Option<Traced>>) = results?.into_iter().unzip();
+    let first = traced.into_iter().flatten().next().ok_or_else(|| miette!("there is no unit"))?;
+    Ok((results, first))
 }

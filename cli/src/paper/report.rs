@@ -9,8 +9,10 @@ use sinscal::path::{EIGHTEEN_ROTATIONS, attitude};
 use study::{FilterSummary, Summary};
 
 use super::Findings;
-use crate::observe::analysis::{Analysis, SPANS};
-use crate::{campaign, figures::significant, observe};
+use reports::figures::significant;
+
+use crate::{campaign, observe};
+use runs::{Analysis, SPANS};
 
 /// Largest horizontal errors that the paper prints, nmi.
 const PRINTED: [Option<f64>; 5] = [Some(18.7), None, None, None, Some(11.2)];
@@ -207,11 +209,11 @@ fn figure_5(text: &mut String, findings: &Findings) {
 }
 
 fn figures_7_to_14(text: &mut String, findings: &Findings) {
-    let Some(full) = findings.first.filters.last() else { return };
+    let Some(full) = findings.first.result.filters.last() else { return };
     let _ = writeln!(
         text,
         "\nFigs. 7 to 14, parameters of unit {} by {} (over time: figure-07 to figure-14 of --out)",
-        findings.first.unit, full.filter
+        findings.first.result.unit, full.filter
     );
     let _ = writeln!(
         text,
@@ -219,8 +221,7 @@ fn figures_7_to_14(text: &mut String, findings: &Findings) {
         "parameter", "truth", "estimate", "3 sigma", "unit", "error/sigma"
     );
     for parameter in &full.parameters {
-        let (unit, scale) = sinscal::effect(&parameter.name)
-            .map_or(("", 1.0), |effect| (effect.sheet_unit, effect.sheet_scale));
+        let (unit, scale) = (parameter.sheet_unit.as_str(), parameter.sheet_scale);
         let _ = writeln!(
             text,
             "{:30} {:>12.4} {:>12.4} {:>10} {unit:9}  {:>+11.2}  {:.0} s",

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use rig::analyses::delay;
 use rig::analyses::size_effect::{Dithering, sweep};
 
-use crate::draw::{Curve, Figure, Style};
+use reports::{Curve, Figure, Style};
 
 /// A dithering x gyro, with accelerometers 4 cm along and 1 cm across their axes.
 pub(super) fn dithering() -> Dithering {

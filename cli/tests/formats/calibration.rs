@@ -166,7 +166,7 @@ pub const INNER_LEVER_ARM_Z: f64 = 0.03310774476520106;
 pub const INNER_LEVER_ARM_Z_SIGMA: f64 = 2.71543505813233e-04;
 
 // accel-delay: how much later than the gyros the accelerometers are stamped
-//     d_f = tau (omega x f)
+//     d_f = -tau f_b'
 /// accel delay tau, s
 pub const ACCEL_DELAY_TAU: f64 = 4.5986996433803955e-04;
 /// accel delay tau sigma, s

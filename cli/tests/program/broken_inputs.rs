@@ -133,7 +133,7 @@ fn descriptions() -> Vec<Case> {
         ),
         (
             Toml("sigma = 300.0, unit = \"ug\"", "sigma = 1e6, unit = \"m/s^2\""),
-            &["log.csv: the filter diverged at ", " s, when ", "[prior]", "far too wide"],
+            &["log.csv: 36d-p: the filter diverged at ", " s, when ", "[prior]", "far too wide"],
         ),
         (Toml("sigma = 300.0, ", ""), &["`prior.accel-bias.sigma`: is missing"]),
         (Toml("{ sigma = 300.0, unit = \"ug\" }", "300.0"), &["must give a sigma and its unit"]),

@@ -60,7 +60,7 @@ fn lists_name_every_filter_and_effect() -> Done {
     }
     let effects = sinscal(&["effects"]).output()?;
     assert!(effects.status.success());
-    for effect in &sinscal::EFFECTS {
+    for effect in sinscal::EFFECTS {
         assert!(text(&effects.stdout).contains(effect.equation()), "{}", effect.name());
     }
     Ok(())

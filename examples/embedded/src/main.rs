@@ -37,21 +37,16 @@ const GRAVITY: f64 = 9.7946;
 #[inline(never)]
 fn run() -> i32 {
     let setup = Setup {
-        rate: RATE,
-        site: Site { latitude: 0.56, longitude: 2.07, height: 20.0 },
-        initial: InitialAttitude {
-            attitude: UnitQuaternion::identity(),
-            level_sigma: 5e-4,
-            heading_sigma: 2e-3,
-        },
-        reference: ReferenceSigma { velocity: 1e-3, position: 2e-3, attitude: 1e-4 },
-        update_rate: 1.0,
-        noise: SensorNoise { angle_random_walk: 3e-7, velocity_random_walk: 5e-5 },
-        reference_temperature: 25.0,
-        outer_lever: Vector3::zeros(),
         priors: &[("accel-bias", 0.05), ("outer-lever-arm", 1e-3)],
+        ..Setup::new(
+            RATE,
+            Site { latitude: 0.56, longitude: 2.07, height: 20.0 },
+            InitialAttitude { attitude: UnitQuaternion::identity(), level_sigma: 5e-4, heading_sigma: 2e-3 },
+            ReferenceSigma { velocity: 1e-3, position: 2e-3, attitude: 1e-4 },
+            SensorNoise { angle_random_walk: 3e-7, velocity_random_walk: 5e-5 },
+        )
     };
-    let mut run = Calibration::<Unit>::new(&setup);
+    let Ok(mut run) = Calibration::<Unit>::new(&setup) else { return 1 };
     for k in 1..=3000 {
         let sample = Sample {
             time: f64::from(k) / RATE,
@@ -63,7 +58,7 @@ fn run() -> i32 {
             reference: Reference {
                 velocity: Some(Vector3::zeros()),
                 position: Some(Vector3::zeros()),
-                attitude: None,
+                ..Reference::default()
             },
         };
         if run.step(&sample).is_err() {

@@ -5,11 +5,12 @@ use core::fmt;
 use nalgebra::Vector3;
 use rig::scenario::{Path, Population};
 use rig::{DitherMode, Scenario, ScenarioError, Simulation, TemperatureProfile};
-use sinscal::{FILTERS, Sample, effect};
+use runs::{AnyFilter, Vocabulary};
+use sinscal::{Sample, any_effect};
 
 use super::Grade;
 use crate::random::Stream;
-use crate::{Diagnosis, Error, Log, Options, Verdict, diagnose_named};
+use crate::{Diagnosis, Error, Log, Options, Verdict, diagnose};
 
 /// What is hidden in a case.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,9 +60,6 @@ const NOT_EXCITED: &[&str] = &["gyro-rate-nonlinearity", "dither-size-effect"];
 const SIZE: &str = "blind/size";
 
 const DITHER: &str = "dither-size-effect";
-
-/// Filters that are diagnosed: those with position and velocity of a fixed point.
-const BASES: [&str; 5] = ["36d-p", "39d-p", "40d-p", "43d-p", "43d-b"];
 
 impl Hidden {
     /// In which row of the table a case counts.
@@ -150,7 +148,8 @@ impl Case {
             _ => Hidden::NotExcited(NOT_EXCITED[stream.below(NOT_EXCITED.len())]),
         };
         let mut stream = Stream::new(seed, "blind/base");
-        let bases: Vec<&'static str> = BASES.into_iter().filter(|base| lacks(base, hidden.names())).collect();
+        let bases: Vec<&'static str> =
+            bases().into_iter().filter(|base| lacks(base, hidden.names())).collect();
         Self::with(seed, bases[stream.below(bases.len())], hidden)
     }
 
@@ -172,10 +171,11 @@ impl Case {
         let [a, b] = self.logs.each_ref().map(|(samples, description)| (samples, self.setup(description)));
         let first = Log { samples: a.0, setup: &a.1 };
         let second = Log { samples: b.0, setup: &b.1 };
-        match diagnose_named(self.filter, &first, Some(&second), options, &mut |_, _| {}) {
-            Some(done) => done,
-            None => Err(Error::TooShort { log: "no such filter", updates: 0 }),
-        }
+        let vocabulary = Vocabulary::standard();
+        let Ok(filter) = vocabulary.filter(self.filter) else {
+            return Err(Error::TooShort { log: "no such filter", updates: 0 });
+        };
+        diagnose(&*filter, vocabulary.effects(), &first, Some(&second), options, &mut |_, _| {})
     }
 
     fn setup(&self, description: &rig::Description) -> sinscal::Setup<'static> {
@@ -273,13 +273,21 @@ impl Case {
     }
 }
 
-/// Blocks of a declared filter.
-fn has(filter: &str, block: &str) -> bool {
-    let mut found = block == DITHER && filter == "43d-b";
-    if let Some(info) = FILTERS.iter().find(|f| f.name == filter) {
-        info.describe(&mut |state| found |= state.block == block);
-    }
-    found
+/// Filters that are diagnosed: those of the paper, with velocity and position of a fixed point.
+fn bases() -> Vec<&'static str> {
+    let vocabulary = Vocabulary::standard();
+    let of_the_paper =
+        |filter: &&std::sync::Arc<dyn AnyFilter>| PAPER.iter().any(|end| filter.name().ends_with(end));
+    vocabulary.filters().filter(of_the_paper).map(|filter| filter.name()).collect()
+}
+
+/// How the names of the paper's filters end.
+const PAPER: [&str; 2] = ["d-p", "d-b"];
+
+/// Whether a filter has an effect.
+fn has(filter: &str, effect: &str) -> bool {
+    let Ok(filter) = Vocabulary::standard().filter(filter) else { return false };
+    filter.blocks().iter().any(|leaf| leaf.name == effect) || effect == DITHER && filter.needs_dither()
 }
 
 /// Whether a filter has none of `names`, and for the dither's size effect the inner lever arms through which it acts.
@@ -317,14 +325,14 @@ fn simulate(
     });
     let mut stream = Stream::new(seed, SIZE);
     for name in names.iter().filter(|n| **n != DITHER) {
-        let Some(effect) = effect(name) else { continue };
+        let Some(effect) = any_effect(name) else { continue };
         let size = match hidden {
             Hidden::Effects(_, strength) => {
                 EFFECTS.iter().find(|e| e.0 == *name).map_or(0.0, |e| e.1 * strength)
             }
-            _ => 0.1 * effect.prior_sigma,
+            _ => 0.1 * effect.info().prior_sigma,
         };
-        let mut mean: Vec<f64> = effect.components().iter().map(|_| stream.normal()).collect();
+        let mut mean: Vec<f64> = (0..effect.dim()).map(|_| stream.normal()).collect();
         let norm = mean.iter().map(|v| v * v).sum::<f64>().sqrt();
         for v in &mut mean {
             *v *= size / norm;

@@ -1,23 +1,17 @@
 """Delay of the accelerometers against the gyros.
 
-The sample stamped t was felt at t - tau. Where the specific force in n does not change, it was turned by the
-rotation of the body in between: f_b(t - tau) = C(t - tau)^T C(t) f_b(t), here with Rodrigues' formula.
+The sample stamped t was felt at t - tau: it shows the specific force in b of another instant, whatever moved it there, the
+body's rotation or its acceleration. Only where the specific force in n is constant, on a turntable, is this tau (omega x f).
 """
 
-from sympy import cos, eye, sin
-
-from ..frames import Signals, errors, skew
+from ..frames import Signals, errors
 from ..table import FORCE
 from ._sensor import sensor_table
 
 
 def table():
-    f, w = Signals.force, Signals.rate
     (tau,) = delay = errors("tau")
-    rate = w.norm()
-    W = skew(w / rate)
-    turn = eye(3) - sin(rate * tau) * W + (1 - cos(rate * tau)) * W**2  # C(t)^T C(t - tau)
-    reading = turn.T * f
+    reading = Signals.force - tau * Signals.force_rate  # f_b(t - tau) to first order
     return sensor_table(
         FORCE,
         reading,
@@ -26,6 +20,6 @@ def table():
         components=["tau"],
         unit="s",
         description="how much later than the gyros the accelerometers are stamped",
-        equation="d_f = tau (omega x f)",
+        equation="d_f = -tau f_b'",
         equations="Eq. 12-21",
     )

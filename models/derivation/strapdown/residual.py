@@ -1,10 +1,10 @@
 """Residuals of velocity, position and attitude by the navigation errors: the matrix H of the core (Eq. 46-49).
 
 The rate omega_eb is what the compensated gyros give; its own change with phi, through C^T omega_ie, is neglected
-(7e-5 rad/s times the lever arm: below 1e-4 m/s for each radian and metre).
+(7e-5 rad/s times the lever arm: below 1e-4 m/s for each radian and metre). The residual of the rate itself is in `rate.py`.
 """
 
-from sympy import Matrix, eye
+from sympy import Matrix, eye, zeros
 
 from ..frames import POINT, Point, attitude_error, errors, linearise, skew
 from ..table import CHANNELS, PAPER, STATES, Table
@@ -24,7 +24,7 @@ def table():
         description="residuals of velocity, position and attitude by the navigation errors",
         equation="z_v = v + C (omega_eb x l) - v_ref; z_p = p + C l - p_ref; C_pred = (I - [z_a x]) C_ref",
         source=f"Eq. 46-49 of {PAPER}",
-        jacobian=linearise(Matrix.vstack(velocity, position, attitude), errors_),
+        jacobian=linearise(Matrix.vstack(velocity, position, attitude, zeros(3, 1)), errors_),
         rows=CHANNELS,
         columns=STATES,
         fields=POINT,

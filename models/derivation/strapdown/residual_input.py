@@ -1,4 +1,4 @@
-"""Residuals by the sensor errors: a gyro error turns the lever arm's velocity (the matrix L)."""
+"""Residuals by the sensor errors: a gyro error turns the lever arm's velocity, and is one of the rate (the matrix L)."""
 
 from sympy import Matrix, zeros
 
@@ -15,9 +15,9 @@ def table():
         name="strapdown-residual-input",
         kind="residual-input",
         description="residuals by the errors of the three gyros and the three accelerometers",
-        equation="z_v = v + C ((omega_eb + d_omega) x l) - v_ref",
+        equation="z_v = v + C ((omega_eb + d_omega) x l) - v_ref; z_r = omega_eb + d_omega - omega_eb_ref",
         source=f"Eq. 46-49 of {PAPER}",
-        jacobian=linearise(Matrix.vstack(velocity, zeros(6, 1)), inputs).applyfunc(lambda e: e.expand()),
+        jacobian=linearise(Matrix.vstack(velocity, zeros(6, 1), d_omega), inputs).applyfunc(lambda e: e.expand()),
         rows=CHANNELS,
         columns=INPUTS,
         fields=POINT,

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use sinscal::{AnyEffect, FORCE, Kind, Point, Signals};
+
 use super::{DitherMode, Fault, Path, Scenario};
 
 /// Slower sampling than this shows nothing of a turn, Hz.
@@ -160,7 +162,7 @@ fn check_motion(scenario: &Scenario, faults: &mut Vec<Fault>) {
 fn check_populations(scenario: &Scenario, faults: &mut Vec<Fault>) {
     for population in &scenario.population {
         let name = population.effect.name();
-        let n = population.effect.components().len();
+        let n = population.effect.dim();
         if population.mean.len() != n || population.sigma.len() != n {
             let accepted = format!("{n} means and {n} sigmas");
             faults.push(Fault::new(
@@ -169,5 +171,23 @@ fn check_populations(scenario: &Scenario, faults: &mut Vec<Fault>) {
                 accepted,
             ));
         }
+        if !acts_as_its_kind(population.effect) {
+            faults.push(Fault::new(
+                format!("population.{name}"),
+                "has a Jacobian of another kind than it says",
+                "the rows that its `Kind` names: rates 0 to 2, forces 3 to 5, or channels of the measurement alone",
+            ));
+        }
     }
+}
+
+/// Whether the entries of an effect's Jacobians are where its kind says: others would be left out of the simulation.
+fn acts_as_its_kind(effect: &dyn AnyEffect) -> bool {
+    let kind = effect.info().kind();
+    let mut right = true;
+    effect.input_jacobian(&Signals::default(), &mut |input, _, _| {
+        right &= if input < FORCE { kind.of_gyros() } else { kind.of_accelerometers() };
+    });
+    effect.measurement_jacobian(&Point::default(), &mut |_, _, _| right &= kind == Kind::Measurement);
+    right
 }

@@ -6,8 +6,7 @@ mod read;
 mod reader;
 
 use nalgebra::{UnitQuaternion, Vector3};
-use sinscal::blocks::set::DITHER;
-use sinscal::{EffectInfo, Filter, InitialAttitude, Site};
+use sinscal::{AnyEffect, Dither, Filter, InitialAttitude, Site, declares};
 
 use crate::environment::TemperaturePlan;
 use crate::motion::{
@@ -203,7 +202,7 @@ pub struct DitherPlan {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Population {
     /// Which effect.
-    pub effect: &'static EffectInfo,
+    pub effect: &'static dyn AnyEffect,
     /// Mean of each component, SI.
     pub mean: Vec<f64>,
     /// Standard deviation of each component, SI.
@@ -223,7 +222,15 @@ impl Scenario {
     /// # Errors
     /// With everything that is wrong, each with its field, its line and what is accepted.
     pub fn parse(text: &str) -> Result<Self, ScenarioError> {
-        read::parse(text)
+        Self::parse_with(text, &[])
+    }
+
+    /// [`parse`](Self::parse) for a text whose populations may name effects of one's own beside those of the catalogue.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn parse_with(text: &str, own: &[&'static dyn AnyEffect]) -> Result<Self, ScenarioError> {
+        read::parse(text, own)
     }
 
     /// The same at another sampling rate, Hz: what `--rate` means.
@@ -285,7 +292,7 @@ impl Scenario {
     pub fn modelled_by<F: Filter>(mut self) -> Self {
         let mut names = Vec::new();
         F::states(&mut |info| names.push(info.block));
-        if F::SET.intersects(DITHER) {
+        if declares::<F, Dither>() {
             names.push("dither-size-effect");
         }
         self.keep_effects(|effect| names.contains(&effect));
@@ -299,7 +306,7 @@ impl Scenario {
             let mut stream = Stream::new(seed, &format!("population/{}", population.effect.name()));
             let draw = |(mean, sigma): (&f64, &f64)| mean + sigma * stream.normal();
             let values = population.mean.iter().zip(&population.sigma).map(draw).collect();
-            truth.insert(population.effect, values);
+            truth.insert(population.effect.info(), values);
         }
         if self.dither.mode != DitherMode::Off {
             let arms = truth.effects().get("inner-lever-arm").cloned();

@@ -21,7 +21,7 @@ pub(crate) struct Outcome {
 /// Simulates unit `seed` and calibrates it in two passes.
 pub(crate) fn calibrate<F: Filter<Dynamics = Strapdown>>(scenario: &Scenario, seed: u64) -> Outcome {
     let simulation = Simulation::new(scenario, seed).unwrap();
-    let mut calibration = Calibration::<F>::new(&simulation.description().setup(&[]));
+    let mut calibration = Calibration::<F>::new(&simulation.description().setup(&[])).expect("a sound setup");
     let log: Vec<_> = simulation.clone().collect();
     for sample in &log {
         calibration.step(sample).unwrap();

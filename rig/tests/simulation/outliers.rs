@@ -7,7 +7,8 @@ use sinscal::{Calibration, Filter, Sample, Sins36P, Sins43B, Statistics, Strapdo
 
 /// Estimate, sigma and truth of every parameter after some passes, and the sums of the last.
 fn calibrate(simulation: &Simulation, log: &[Sample], passes: u32) -> (Vec<(f64, f64, f64)>, Statistics) {
-    let mut calibration = Calibration::<Sins43B>::new(&simulation.description().setup(&[]));
+    let mut calibration =
+        Calibration::<Sins43B>::new(&simulation.description().setup(&[])).expect("a sound setup");
     for pass in 0..passes {
         if pass > 0 {
             calibration.begin_pass();
@@ -158,7 +159,8 @@ fn each_failure_moves_the_parameters_by_less_than_half_a_sigma() {
 #[test]
 fn a_filter_that_lacks_an_effect_keeps_its_data() {
     fn rejected<F: Filter<Dynamics = Strapdown>>(simulation: &Simulation, log: &[Sample]) -> [f64; 2] {
-        let mut calibration = Calibration::<F>::new(&simulation.description().setup(&[]));
+        let mut calibration =
+            Calibration::<F>::new(&simulation.description().setup(&[])).expect("a sound setup");
         [0, 1].map(|pass| {
             if pass > 0 {
                 calibration.begin_pass();
@@ -205,7 +207,7 @@ fn the_gate_never_shuts_for_good() {
     let mut setup = simulation.description().setup(&[]);
     setup.initial.attitude =
         UnitQuaternion::from_scaled_axis(Vector3::new(0.0, 0.02, 0.0)) * setup.initial.attitude;
-    let mut calibration = Calibration::<Sins43B>::new(&setup);
+    let mut calibration = Calibration::<Sins43B>::new(&setup).expect("a sound setup");
     for sample in &log {
         calibration.step(sample).unwrap();
     }

@@ -19,7 +19,8 @@ fn two_days<C: Form>() {
     )
     .unwrap();
     let simulation = Simulation::new(&scenario, 1).unwrap();
-    let mut run = Calibration::<Sins43B, C>::new(&simulation.description().setup(&[]));
+    let mut run =
+        Calibration::<Sins43B, C>::new(&simulation.description().setup(&[])).expect("a sound setup");
     let truth = simulation.truth().clone();
     let mut samples = 0;
     for sample in simulation {
@@ -58,7 +59,7 @@ fn a_thousand_passes_end_where_twenty_do() {
     )
     .unwrap();
     let simulation = Simulation::new(&scenario, 1).unwrap();
-    let mut run = Calibration::<Sins43B>::new(&simulation.description().setup(&[]));
+    let mut run = Calibration::<Sins43B>::new(&simulation.description().setup(&[])).expect("a sound setup");
     let log: Vec<Sample> = simulation.collect();
     let mut settled = Vec::new();
     for pass in 1..=1000 {

@@ -4,14 +4,11 @@
 //! velocity, a beacon adds its own place to the position residual.
 #![allow(dead_code, reason = "each test uses its part of the family")]
 
-use calib_core::{Block, BlockSet, BlockView, ChannelGroup, Dynamics, Need, Real, Relaxation, StateInfo};
+use calib_core::{
+    Block, BlockView, Dynamics, Measurement, MeasurementInfo, Need, Real, Relaxation, StateInfo,
+};
 
 pub(crate) struct Rail;
-
-const PLACE: BlockSet = BlockSet::only(0);
-const SPEED: BlockSet = BlockSet::only(1);
-const ACCELEROMETER: BlockSet = BlockSet::only(2);
-const LEVER: BlockSet = BlockSet::only(3);
 
 /// The specific force.
 pub(crate) struct Force<T> {
@@ -21,13 +18,10 @@ pub(crate) struct Force<T> {
 impl Dynamics for Rail {
     const CORE: usize = 2;
     const INPUTS: usize = 1;
-    const CHANNELS: &'static [ChannelGroup] = &[
-        ChannelGroup { name: "position", first: 0, components: &["x"], unit: "m" },
-        ChannelGroup { name: "velocity", first: 1, components: &["x"], unit: "m/s" },
-    ];
+    const CHANNELS: usize = 2;
     const NEEDS: &'static [Need] = &[
-        Need { any_of: PLACE, message: "a cart begins with `Place`" },
-        Need { any_of: SPEED, message: "then `Speed`" },
+        Need { any_of: &[Place::NAME], message: "a cart begins with `Place`" },
+        Need { any_of: &[Speed::NAME], message: "then `Speed`" },
     ];
     type Signals<T: Real> = Force<T>;
     type Point<T: Real> = ();
@@ -44,6 +38,38 @@ impl Dynamics for Rail {
     }
 }
 
+macro_rules! measurement {
+    ($name:ident, $text:literal, $channels:expr, $unit:literal, { $($item:tt)* }) => {
+        pub(crate) struct $name;
+        impl Measurement for $name {
+            type Dynamics = Rail;
+            const INFO: MeasurementInfo = MeasurementInfo {
+                name: $text,
+                components: &["x"],
+                unit: $unit,
+                columns: &[$text],
+                sigma: 0.1,
+                channels: $channels,
+            };
+            $($item)*
+        }
+    };
+}
+
+measurement!(PlaceSeen, "place", Some(0), "m", {
+    fn residual<T: Real>(_: &(), reading: &[T], put: &mut impl FnMut(usize, T)) {
+        put(0, -reading[0]);
+    }
+});
+measurement!(SpeedSeen, "speed", Some(1), "m/s", {});
+// place and three times speed
+measurement!(Sum, "sum", None, "1", {
+    fn jacobian<T: Real>(_: &(), put: &mut impl FnMut(usize, usize, T)) {
+        put(0, 0, T::one());
+        put(0, 1, T::of(3.0));
+    }
+});
+
 const fn info(block: &'static str, unit: &'static str) -> StateInfo {
     StateInfo { block, component: "", unit, prior_sigma: 1.0, sheet_unit: unit, sheet_scale: 1.0 }
 }
@@ -55,23 +81,19 @@ macro_rules! block {
         impl Block for $name {
             type Dynamics = Rail;
             type View<'a, T: Real> = BlockView<'a, Self, T>;
+            const NAME: &'static str = stringify!($name);
             const DIM: usize = 1;
             fn states(visit: &mut dyn FnMut(StateInfo)) {
-                visit(info(stringify!($name), $unit));
+                visit(info(Self::NAME, $unit));
             }
             $($item)*
         }
     };
 }
 
-block!(Place, "m", {
-    const SET: BlockSet = PLACE;
-});
-block!(Speed, "m/s", {
-    const SET: BlockSet = SPEED;
-});
+block!(Place, "m", {});
+block!(Speed, "m/s", {});
 block!(Bias, "m/s^2", {
-    const SET: BlockSet = ACCELEROMETER;
     fn input_jacobian<T: Real>(_: &Force<T>, put: &mut impl FnMut(usize, usize, T)) {
         put(0, 0, T::one());
     }
@@ -82,16 +104,12 @@ block!(Scale, "1", {
     }
 });
 block!(Wander, "m/s^2", {
-    const RELAXES: bool = true;
+    const RELAXATIONS: &'static [(usize, Relaxation<f64>)] = &[(0, Relaxation { rate: 0.1, density: 1e-6 })];
     fn input_jacobian<T: Real>(_: &Force<T>, put: &mut impl FnMut(usize, usize, T)) {
         put(0, 0, T::one());
     }
-    fn relaxation<T: Real>(put: &mut impl FnMut(usize, Relaxation<T>)) {
-        put(0, Relaxation { rate: T::of(0.1), density: T::of(1e-6) });
-    }
 });
 block!(Beacon, "m", {
-    const SET: BlockSet = LEVER;
     fn measurement_jacobian<T: Real>(_: &(), put: &mut impl FnMut(usize, usize, T)) {
         put(0, 0, -T::one());
     }
@@ -103,7 +121,8 @@ pub(crate) struct Sway;
 impl Block for Sway {
     type Dynamics = Rail;
     type View<'a, T: Real> = BlockView<'a, Self, T>;
+    const NAME: &'static str = "Sway";
     const DIM: usize = 0;
-    const NEEDS: &'static [Need] = &[Need { any_of: LEVER, message: "sway without a beacon" }];
+    const NEEDS: &'static [Need] = &[Need { any_of: &[Beacon::NAME], message: "sway without a beacon" }];
     fn states(_: &mut dyn FnMut(StateInfo)) {}
 }

@@ -34,6 +34,45 @@ mod private {
         dither: Dither,
     }
 
+    /// All measurements that have names.
+    #[derive(StateBlocks)]
+    #[filter(measures(velocity, position, attitude, rate, r#height, heading))]
+    pub(crate) struct AllSeen {
+        #[base]
+        nav: super::Nav,
+    }
+
+    /// By types, ours and one of one's own.
+    #[derive(StateBlocks)]
+    #[filter(measures(sinscal::measurements::Height, North, self::own::East))]
+    pub(crate) struct Typed {
+        #[base]
+        nav: super::Nav,
+    }
+
+    macro_rules! channel {
+        ($name:ident, $text:literal, $first:literal) => {
+            pub(crate) struct $name;
+            impl Measurement for $name {
+                type Dynamics = Strapdown;
+                const INFO: MeasurementInfo = MeasurementInfo {
+                    name: $text,
+                    components: &["x"],
+                    unit: "m",
+                    columns: &[$text],
+                    sigma: 1.0,
+                    channels: Some($first),
+                };
+            }
+        };
+    }
+
+    channel!(North, "north", 4);
+    mod own {
+        use sinscal::prelude::*;
+        channel!(East, "east", 3);
+    }
+
     #[derive(StateBlocks)]
     #[filter]
     struct Unused {
@@ -47,4 +86,8 @@ fn main() {
     assert_eq!(Nav::NAME, "nav");
     assert_eq!(private::Extended::NAME, "extended");
     assert_eq!(private::Extended::OFFSETS.dither, private::Extended::DIM);
+    let names = |measures: &[MeasurementInfo]| measures.iter().map(|info| info.name).collect::<Vec<_>>();
+    let ours = ["velocity", "position", "attitude", "rate", "height", "heading"];
+    assert_eq!(names(private::AllSeen::MEASURES), ours);
+    assert_eq!(names(private::Typed::MEASURES), ["height", "north", "east"]);
 }

@@ -4,7 +4,7 @@ mod motion;
 mod population;
 mod surroundings;
 
-use sinscal::Site;
+use sinscal::{AnyEffect, Site};
 use toml::de::DeTable;
 
 use super::fault::{Fault, ScenarioError};
@@ -31,7 +31,7 @@ const SECTIONS: [&str; 11] = [
 ];
 
 /// The scenario of the text, with the default one behind it.
-pub(super) fn parse(text: &str) -> Result<Scenario, ScenarioError> {
+pub(super) fn parse(text: &str, own: &[&'static dyn AnyEffect]) -> Result<Scenario, ScenarioError> {
     let not_toml = |text: &str, error: &toml::de::Error| {
         let fault = Fault::new("", format!("not valid TOML: {}", error.message()), "");
         let fault = match error.span() {
@@ -43,7 +43,7 @@ pub(super) fn parse(text: &str) -> Result<Scenario, ScenarioError> {
     let user = DeTable::parse(text).map_err(|error| not_toml(text, &error))?;
     let fallback = DeTable::parse(DEFAULT_SCENARIO).map_err(|error| not_toml(DEFAULT_SCENARIO, &error))?;
     let mut reader = Reader::new(text, user.get_ref(), fallback.get_ref());
-    let scenario = read(&mut reader);
+    let scenario = read(&mut reader, own);
     let mut faults = reader.faults;
     if let Some(scenario) = scenario.filter(|_| faults.is_empty()) {
         faults = super::check::check(&scenario);
@@ -61,7 +61,7 @@ pub(super) fn parse(text: &str) -> Result<Scenario, ScenarioError> {
 
 /// The default scenario. That it can be read is tested; the empty one of the other branch is never seen.
 pub(super) fn default_scenario() -> Scenario {
-    match parse("") {
+    match parse("", &[]) {
         Ok(scenario) => scenario,
         Err(error) => unreachable!("the default scenario is sound: {error}"),
     }
@@ -84,7 +84,7 @@ fn place(root: &DeTable<'_>, field: &str) -> Option<std::ops::Range<usize>> {
     Some(value.span())
 }
 
-fn read(r: &mut Reader<'_>) -> Option<Scenario> {
+fn read(r: &mut Reader<'_>, own: &[&'static dyn AnyEffect]) -> Option<Scenario> {
     let known: Vec<&str> = SECTIONS.into_iter().chain(["population"]).collect();
     r.sections(&known);
     let run = r.section("run", &["number"]);
@@ -102,7 +102,7 @@ fn read(r: &mut Reader<'_>) -> Option<Scenario> {
     let accelerometer = read_noise(r, "accelerometer", walks);
     let temperature = surroundings::temperature(r);
     let dither = surroundings::dither(r);
-    let population = population::population(r);
+    let population = population::population(r, own);
     Some(Scenario {
         run: run?,
         rate: rate?,
@@ -185,7 +185,7 @@ mod tests {
         let scenario = default_scenario();
         assert_eq!(scenario.rate, 50.0);
         assert_eq!(scenario.samples(), 188_250);
-        assert_eq!(scenario, parse(DEFAULT_SCENARIO).unwrap());
+        assert_eq!(scenario, parse(DEFAULT_SCENARIO, &[]).unwrap());
         assert_eq!(scenario.motion.turns().map(|turns| turns.len()), Some(18));
         assert_eq!(scenario.dither.amplitude, Vector3::repeat(0.08));
     }

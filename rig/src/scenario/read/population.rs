@@ -1,6 +1,6 @@
 //! What the parameters of a unit are drawn from.
 
-use sinscal::{EFFECTS, EffectInfo};
+use sinscal::{AnyEffect, CATALOGUE};
 
 use crate::scenario::Population;
 use crate::scenario::reader::{Entry, Must, Reader, as_table};
@@ -9,15 +9,12 @@ use logs::{suggest, units};
 /// Parameters may be this many times their default prior.
 const ABSURD: f64 = 1e6;
 
-pub(super) fn population(r: &mut Reader<'_>) -> Vec<Population> {
+pub(super) fn population(r: &mut Reader<'_>, own: &[&'static dyn AnyEffect]) -> Vec<Population> {
+    let known = || CATALOGUE.iter().chain(own).copied();
     let mut populations = Vec::new();
     for (name, entry) in r.whole("population") {
-        let Some(effect) = sinscal::effect(name) else {
-            r.refuse(
-                &entry,
-                "is not an effect",
-                suggest::accepted(name, EFFECTS.iter().map(EffectInfo::name)),
-            );
+        let Some(effect) = known().find(|effect| effect.name() == name) else {
+            r.refuse(&entry, "is not an effect", suggest::accepted(name, known().map(<dyn AnyEffect>::name)));
             continue;
         };
         if name == "dither-size-effect" {
@@ -25,10 +22,11 @@ pub(super) fn population(r: &mut Reader<'_>) -> Vec<Population> {
             r.refuse(&entry, "follows from the dither and the inner lever arms", accepted);
             continue;
         }
-        let units = units::of_parameters(effect.unit());
-        let n = effect.components().len();
+        let usual = units::of_parameters(effect.info().unit());
+        let units = if usual.is_empty() { effect.info().units() } else { usual };
+        let n = effect.dim();
         // beyond this nothing of the signal is left
-        let most = ABSURD * effect.prior_sigma;
+        let most = ABSURD * effect.info().prior_sigma;
         let (mean, sigma) = match as_table(entry.value) {
             None => (Some(vec![0.0; n]), r.list(&entry, n, units, Must::NotBeNegative(most))),
             Some(table) => {
@@ -49,8 +47,7 @@ pub(super) fn population(r: &mut Reader<'_>) -> Vec<Population> {
         }
     }
     // in the order of the catalogue, whatever the order in the file
-    populations.sort_by_key(|population| {
-        EFFECTS.iter().position(|effect| effect.name() == population.effect.name())
-    });
+    populations
+        .sort_by_key(|population| known().position(|effect| effect.name() == population.effect.name()));
     populations
 }

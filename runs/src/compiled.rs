@@ -1,0 +1,154 @@
+//! What is compiled for a filter: everything that needs its sizes.
+
+use core::marker::PhantomData;
+use core::ops::Range;
+
+use calib_core::{Array, Filter, Shape, relaxations};
+use sinscal::navigation::{Pilot, pilot_of};
+use sinscal::{Calibration, Gate, Known, OpenBlocks, Setup, Strapdown};
+
+use crate::Error;
+use crate::channels::Channels;
+use crate::observe::{Analysis, look};
+use crate::running::{Options, Running, start};
+use crate::samples::{Samples, each};
+use crate::trace::{Trace, Traced, Tracer};
+
+/// Which states of a compiled filter take part, and what joined it at run time.
+#[derive(Clone, Debug)]
+pub struct Selection {
+    /// The parameters that take part, as states of the compiled filter, in the order in which they are reported. The others have a
+    /// prior of zero.
+    pub states: Vec<usize>,
+    /// Blocks in the filter's [`Open`](sinscal::Open) block, and whether the dither acts through the inner lever arm.
+    pub open: OpenBlocks,
+}
+
+impl Selection {
+    /// All parameters of a filter.
+    pub fn all<F: Filter>() -> Self {
+        Self { states: own::<F>().collect(), open: OpenBlocks::NONE }
+    }
+
+    /// Where a state of the compiled filter is reported.
+    pub(crate) fn place(&self, state: usize) -> Option<usize> {
+        self.states.iter().position(|taken| *taken == state)
+    }
+}
+
+/// The parameters of filter `F`, as states.
+pub(crate) fn own<F: Filter>() -> Range<usize> {
+    F::Shape::CORE..F::Shape::STATES
+}
+
+/// A filter with its code, as an object.
+pub trait Compiled: Send + Sync {
+    /// Starts it; samples are handed over pass by pass. `title` is what people call it.
+    fn start(
+        &self,
+        title: String,
+        setup: &Setup,
+        options: &Options,
+        selection: &Selection,
+    ) -> Box<dyn Running>;
+
+    /// Looks at a log with its eyes.
+    ///
+    /// # Errors
+    /// When the log cannot be read.
+    fn observe(&self, samples: &dyn Samples, setup: &Setup, selection: &Selection)
+    -> Result<Analysis, Error>;
+
+    /// A pilot with known values of the parameters that take part.
+    fn pilot(&self, setup: &Setup, selection: &Selection, values: &[f64]) -> Box<dyn Pilot>;
+
+    /// Runs a pass with the parameters taken as known, and tells the linear system that it is.
+    ///
+    /// # Errors
+    /// When the log cannot be read or the filter diverges.
+    fn trace(
+        &self,
+        samples: &dyn Samples,
+        setup: &Setup,
+        selection: &Selection,
+        about: &About,
+        trace: &mut dyn Trace,
+    ) -> Result<Traced, Error>;
+}
+
+/// What a traced pass is linearised about.
+#[derive(Clone, Debug)]
+pub struct About<'a> {
+    /// Values of the parameters that take part.
+    pub values: &'a [f64],
+    /// How readings of the reference are judged: as another pass over the log found them spread.
+    pub gate: Gate,
+}
+
+/// The code of filter `F`.
+pub(crate) struct Of<F>(pub(crate) PhantomData<fn() -> F>);
+
+impl<F> Of<F> {
+    pub(crate) const NEW: Self = Self(PhantomData);
+}
+
+impl<F: Filter<Dynamics = Strapdown>> Compiled for Of<F> {
+    fn start(
+        &self,
+        title: String,
+        setup: &Setup,
+        options: &Options,
+        selection: &Selection,
+    ) -> Box<dyn Running> {
+        start::<F>(title, setup, options, selection)
+    }
+
+    fn observe(
+        &self,
+        samples: &dyn Samples,
+        setup: &Setup,
+        selection: &Selection,
+    ) -> Result<Analysis, Error> {
+        look::<F>(samples, setup, selection)
+    }
+
+    fn pilot(&self, setup: &Setup, selection: &Selection, values: &[f64]) -> Box<dyn Pilot> {
+        let setup = Setup { open: selection.open, ..*setup };
+        pilot_of::<F>(&setup, &placed::<F>(selection, values))
+    }
+
+    fn trace(
+        &self,
+        samples: &dyn Samples,
+        setup: &Setup,
+        selection: &Selection,
+        about: &About,
+        trace: &mut dyn Trace,
+    ) -> Result<Traced, Error> {
+        let setup = Setup { open: selection.open, ..*setup };
+        let mut pass = Box::new(Calibration::<F, Known>::with_prior(&setup, |_, _, sigma| sigma));
+        let covariance = pass.covariance();
+        let start = core::array::from_fn(|i| covariance[i][i].sqrt());
+        pass.judge_as(about.gate);
+        pass.begin_known(&placed::<F>(selection, about.values));
+        let mut tracer = Tracer::<F>::new(selection, trace);
+        each(samples, |sample| {
+            let diverged = |diverged| Error::Diverged { filter: F::NAME.to_owned(), diverged };
+            pass.step_observed(sample, &mut tracer).map(drop).map_err(diverged)
+        })?;
+        let mut relaxing = Vec::new();
+        relaxations::<F, f64>(|state, _| {
+            relaxing.extend(selection.place(state).map(|place| (place, pass.relaxing()[state])));
+        });
+        Ok(Traced { gate: pass.gate(), start, relaxing, channels: Channels::of(F::MEASURES).names })
+    }
+}
+
+/// Values of the parameters that take part, as states of the compiled filter.
+fn placed<F: Filter>(selection: &Selection, values: &[f64]) -> calib_core::Vector<F, f64> {
+    let mut states = F::Shape::vector(0.0);
+    for (state, value) in selection.states.iter().zip(values) {
+        states.as_mut_slice()[*state] = *value;
+    }
+    states
+}

@@ -1,0 +1,226 @@
+//! One filter on its way over the passes of a log.
+
+use std::io;
+
+use calib_core::{Conventional, Filter, Shape, Ud};
+use sinscal::{
+    Calibration, CoarseCalibration, Diverged, Innovations, Parameter, Sample, Setup, Smoother, StateInfo,
+    Statistics, Strapdown,
+};
+
+use crate::compiled::Selection;
+use crate::filter::AnyFilter;
+use crate::history::History;
+use crate::outcome::Outcome;
+use crate::refusals::Refusals;
+use crate::samples::Extent;
+use crate::tape::FileTape;
+
+/// How to run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Number of passes over the log; each after the first linearises about the parameters found before.
+    pub passes: u32,
+    /// How the covariance is kept.
+    pub form: Form,
+    /// Whether the navigation solution is smoothed over the last pass.
+    pub smooth: bool,
+    /// Whether residuals are remembered for a report.
+    pub residuals: bool,
+    /// Least time between two points of the history, s; zero keeps them as densely as memory allows.
+    pub history_step: f64,
+    /// Prior standard deviations of the parameters, in their order, SI; those of setup and blocks where empty.
+    pub priors: Vec<f64>,
+    /// What a coarse calibration took out of the samples: it stands in the estimates and makes the priors.
+    pub coarse: Option<CoarseCalibration>,
+}
+
+impl Options {
+    /// What suits a filter: its number of passes, and nothing beside the estimates.
+    pub fn of(filter: &dyn AnyFilter) -> Self {
+        Self {
+            passes: filter.passes(),
+            form: Form::Conventional,
+            smooth: false,
+            residuals: false,
+            history_step: 0.0,
+            priors: Vec::new(),
+            coarse: None,
+        }
+    }
+}
+
+/// How a covariance is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// As a symmetric matrix.
+    Conventional,
+    /// As U D U' (Thornton and Bierman).
+    Ud,
+}
+
+impl Form {
+    /// Name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Conventional => "conventional",
+            Self::Ud => "ud",
+        }
+    }
+}
+
+/// A filter that runs over a log: samples are handed to it pass by pass.
+pub trait Running: Send {
+    /// Begins a pass; `last` says that it is the one whose residuals and smoothing are wanted.
+    ///
+    /// # Errors
+    /// When the memory of the smoother cannot be made.
+    fn begin_pass(&mut self, last: bool) -> io::Result<()>;
+
+    /// Takes in the next samples.
+    ///
+    /// # Errors
+    /// When the filter has diverged.
+    fn feed(&mut self, samples: &[Sample]) -> Result<(), Diverged>;
+
+    /// Sums over the updates of this pass.
+    fn statistics(&self) -> &Statistics;
+
+    /// What came of it.
+    ///
+    /// # Errors
+    /// When the memory of the smoother fails.
+    fn finish(self: Box<Self>) -> io::Result<Outcome>;
+}
+
+/// Starts filter `F`; `title` is what people call it.
+pub(crate) fn start<F: Filter<Dynamics = Strapdown>>(
+    title: String,
+    setup: &Setup,
+    options: &Options,
+    selection: &Selection,
+) -> Box<dyn Running> {
+    match options.form {
+        Form::Conventional => Box::new(Run::<F, Conventional>::new(title, setup, options, selection)),
+        Form::Ud => Box::new(Run::<F, Ud>::new(title, setup, options, selection)),
+    }
+}
+
+struct Run<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> {
+    title: String,
+    calibration: Calibration<F, C>,
+    options: Options,
+    selection: Selection,
+    interval: f64,
+    pass: u32,
+    extent: Extent,
+    dithers: bool,
+    history: History,
+    /// What is left out of the reference; in the last pass what is smoothed, and the residuals.
+    observer: (Refusals, (Option<Smoother<F, FileTape>>, Option<Innovations<F>>)),
+}
+
+impl<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> Run<F, C> {
+    fn new(title: String, setup: &Setup, options: &Options, selection: &Selection) -> Self {
+        let coarse = options.coarse.as_ref();
+        let prior = |state, info: &StateInfo, sigma| match selection.place(state) {
+            None if state >= F::Shape::CORE => 0.0,
+            Some(place) if !options.priors.is_empty() => options.priors[place],
+            _ => coarse.map_or(sigma, |coarse| coarse.prior(info, sigma)),
+        };
+        Self {
+            title,
+            calibration: Calibration::with_prior(&Setup { open: selection.open, ..*setup }, prior),
+            options: options.clone(),
+            selection: selection.clone(),
+            interval: 1.0 / setup.rate,
+            pass: 0,
+            extent: Extent::default(),
+            dithers: false,
+            history: History::new(selection.states.len(), options.history_step),
+            observer: (Refusals::default(), (None, None)),
+        }
+    }
+}
+
+/// The parameters so far that take part, with what a coarse calibration took out of the samples.
+fn estimates<F: Filter<Dynamics = Strapdown>, C: sinscal::Form>(
+    calibration: &Calibration<F, C>,
+    selection: &Selection,
+    coarse: Option<&CoarseCalibration>,
+) -> Vec<Parameter> {
+    let mut all = Vec::with_capacity(F::Shape::STATES);
+    calibration.parameters(&mut |parameter| all.push(parameter));
+    let mut parameters: Vec<Parameter> =
+        selection.states.iter().map(|state| all[state - F::Shape::CORE]).collect();
+    if let Some(coarse) = coarse {
+        let states: Vec<StateInfo> = parameters.iter().map(|parameter| parameter.info).collect();
+        let mut values: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
+        coarse.total(&states, &mut values);
+        parameters.iter_mut().zip(values).for_each(|(parameter, value)| parameter.value = value);
+    }
+    parameters
+}
+
+impl<F: Filter<Dynamics = Strapdown>, C: sinscal::Form + Send> Running for Run<F, C> {
+    fn begin_pass(&mut self, last: bool) -> io::Result<()> {
+        if self.pass > 0 {
+            self.calibration.begin_pass();
+            self.history.clear();
+        }
+        self.pass += 1;
+        self.extent = Extent::default();
+        let smoother = (last && self.options.smooth).then(FileTape::new).transpose()?.map(Smoother::new);
+        let innovations = (last && self.options.residuals).then(Innovations::default);
+        self.observer = (Refusals::default(), (smoother, innovations));
+        Ok(())
+    }
+
+    fn feed(&mut self, samples: &[Sample]) -> Result<(), Diverged> {
+        for sample in samples {
+            self.extent.push(sample.time);
+            self.dithers |= sample.dither.iter().any(|amplitude| *amplitude > 0.0);
+            let update = self.calibration.step_observed(sample, &mut self.observer)?;
+            if update.is_some() && self.history.due(sample.time) {
+                let now = estimates(&self.calibration, &self.selection, self.options.coarse.as_ref());
+                self.history
+                    .push(sample.time, now.iter().map(|parameter| (parameter.value, parameter.sigma)));
+            }
+        }
+        Ok(())
+    }
+
+    fn statistics(&self) -> &Statistics {
+        self.calibration.statistics()
+    }
+
+    fn finish(mut self: Box<Self>) -> io::Result<Outcome> {
+        let parameters = estimates(&self.calibration, &self.selection, self.options.coarse.as_ref());
+        self.history
+            .push(self.extent.last, parameters.iter().map(|parameter| (parameter.value, parameter.sigma)));
+        let dense = self.calibration.covariance();
+        let taken = &self.selection.states;
+        let covariance = taken.iter().map(|i| taken.iter().map(|j| dense[*i][*j]).collect()).collect();
+        let (refusals, (smoother, innovations)) = self.observer;
+        let start = self.extent.first - self.interval;
+        Ok(Outcome {
+            filter: self.title,
+            states: F::Shape::CORE + parameters.len(),
+            samples: self.extent.samples,
+            start,
+            duration: self.extent.last - start,
+            parameters,
+            covariance,
+            history: self.history,
+            statistics: *self.calibration.statistics(),
+            gate: self.calibration.gate(),
+            attitude: self.calibration.attitude(),
+            position: self.calibration.position(),
+            velocity: self.calibration.navigation().velocity,
+            dithers: self.dithers,
+            refused: refusals.stretches,
+            smoothed: smoother.map(|smoother| smoother.finish(&dense)).transpose()?,
+            residuals: innovations.map(Innovations::finish),
+        })
+    }
+}
