@@ -368,14 +368,14 @@ impl Checker {
             }
             reference.heading = Some(heading);
         }
-        let mut sigma = |slot: usize| match number(slot) {
+        let sigma = |slot: usize| match number(slot) {
             Some(value) if !SIGMA.contains(&value) => {
                 let fault = self.cell_fault(slot, value, "one standard deviation, above 0,");
                 Err(fault.help("leave the field empty where none is known"))
             }
             value => Ok(value.unwrap_or(f64::NAN)),
         };
-        let mut three = |group: Group| -> Result<Vector3<f64>, LogError> {
+        let three = |group: Group| -> Result<Vector3<f64>, LogError> {
             Ok(Vector3::new(sigma(group.first)?, sigma(group.first + 1)?, sigma(group.first + 2)?))
         };
         reference.sigma.velocity = three(Group::REF_VEL_SIGMA)?;
