@@ -30,8 +30,9 @@ pub struct Compensator {
     dither: Vector3<f64>,
     open: OpenBlocks,
     last_rate: Vector3<f64>,
-    /// Smoothed specific force as read, turned along with the body: constant where it is constant in n.
-    smooth_force: Vector3<f64>,
+    /// Smoothed specific force as read, turned along with the body: constant where it is constant in n. `None` where no block asks for
+    /// its change.
+    smooth_force: Option<Vector3<f64>>,
     /// Errors of rate and force at the last sample.
     last_error: (Vector3<f64>, Vector3<f64>),
 }
@@ -78,7 +79,7 @@ impl Compensator {
             dither: Vector3::zeros(),
             open: OpenBlocks::NONE,
             last_rate: Vector3::repeat(f64::NAN),
-            smooth_force: Vector3::zeros(),
+            smooth_force: None,
             last_error: (Vector3::zeros(), Vector3::zeros()),
         }
     }
@@ -104,7 +105,8 @@ impl Compensator {
     }
 
     /// Compensates the increments of a sample that took `dt` seconds, after [`read`](Self::read). Returns them with the
-    /// signals at which filter `F`'s Jacobians are to be evaluated.
+    /// signals at which filter `F`'s Jacobians are to be evaluated; of the change of the specific force only what turning does where no
+    /// block of `F` depends on more.
     pub fn compensate<F: Filter<Dynamics = Strapdown>>(
         &mut self,
         sample: &Sample,
@@ -121,12 +123,11 @@ impl Compensator {
         let dither = self.dither.component_mul(&self.dither) * 0.5;
         let first = self.last_rate.x.is_nan();
         let before = if first { rate } else { self.last_rate };
-        let change_n = self.follow(&force, &((rate + before) * (0.5 * dt)), dt, first);
         let mut signals = Signals {
             rate,
             angular_acceleration: (rate - before) / dt,
             force,
-            force_rate: change_n,
+            force_rate: Vector3::zeros(),
             temperature: self.temperature.value.add_scalar(-self.reference_temperature),
             temperature_rate: self.temperature.rate,
             gyro_temperature: gyro_temperature.add_scalar(-self.reference_temperature),
@@ -137,6 +138,10 @@ impl Compensator {
         };
         self.last_rate = rate;
         Strapdown::restrict::<F, f64>(&mut signals);
+        let change_n = self.follow(&force, &((rate + before) * (0.5 * dt)), dt);
+        if first && asks_for_change::<F>(&signals) {
+            self.smooth_force = Some(force);
+        }
         let mut error = self.last_error;
         let (still_rate, still_force) = (STILL * rate.amax(), STILL * force.amax());
         for _ in 0..ROUNDS {
@@ -162,17 +167,22 @@ impl Compensator {
     ///
     /// It is taken from the readings as they are. Their errors count as little as the delay is short; what has been compensated
     /// with the delay would feed its own noise back.
-    fn follow(&mut self, force: &Vector3<f64>, turn: &Vector3<f64>, dt: f64, first: bool) -> Vector3<f64> {
-        if first {
-            self.smooth_force = *force;
-            return Vector3::zeros();
-        }
-        let carried =
-            self.smooth_force - turn.cross(&(self.smooth_force - turn.cross(&self.smooth_force) * 0.5));
+    #[inline]
+    fn follow(&mut self, force: &Vector3<f64>, turn: &Vector3<f64>, dt: f64) -> Vector3<f64> {
+        let Some(smooth) = &mut self.smooth_force else { return Vector3::zeros() };
+        let carried = *smooth - turn.cross(&(*smooth - turn.cross(smooth) * 0.5));
         let change = (force - carried) / (SMOOTHING + dt);
-        self.smooth_force = carried + change * dt;
+        *smooth = carried + change * dt;
         change
     }
+}
+
+/// Whether a Jacobian of `F` depends on the change of the specific force: few do, and it takes time at each sample.
+fn asks_for_change<F: Filter<Dynamics = Strapdown>>(signals: &Signals<f64>) -> bool {
+    let unknown = Signals { force_rate: Vector3::repeat(f64::NAN), ..*signals };
+    let mut asks = false;
+    F::input_jacobian(&unknown, &mut |_, _, value: f64| asks |= value.is_nan());
+    asks
 }
 
 /// Errors of angular rate (rad/s) and specific force (m/s^2) that `parameters` cause under `signals`, in b.

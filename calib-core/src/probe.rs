@@ -89,9 +89,10 @@ impl fmt::Display for Fault {
                 f,
                 "`measurement_jacobian` puts channel {channel}, channels are counted from 0 and there are {channels}"
             ),
-            Flaw::Relaxation { state, relaxation: Relaxation { rate, density } } => write!(
+            // without the numbers: a small program need not carry what prints them
+            Flaw::Relaxation { state, .. } => write!(
                 f,
-                "`RELAXATIONS` gives state {state} the rate {rate} 1/s and the density {density}: both are 0 or more"
+                "`RELAXATIONS` gives state {state} a rate or a density that is negative or no number"
             ),
         }
     }

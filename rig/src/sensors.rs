@@ -88,8 +88,7 @@ impl Sensors {
     /// What the accelerometers read, m/s^2, of the signals at the instant that they feel. Each one reads the specific force at
     /// its own place.
     #[inline]
-    pub(crate) fn accelerometers(&self, s: &Signals<f64>) -> V {
-        let mut s = *s;
+    pub(crate) fn accelerometers(&self, mut s: Signals<f64>) -> V {
         if self.has_arms {
             s.force +=
                 size_effect(&self.arms, &s.rate, &s.angular_acceleration) + self.dither(&s.coupled_dither);
@@ -175,7 +174,7 @@ mod tests {
                 truth.insert(effect.info(), values);
                 let sensors = Sensors::new(&truth, [*effect].into_iter());
                 let gyros = sensors.gyros(&at) - at.rate;
-                let accelerometers = sensors.accelerometers(&at) - at.force;
+                let accelerometers = sensors.accelerometers(at) - at.force;
                 assert!(expected.iter().any(|e| *e != 0.0));
                 for i in 0..3 {
                     let scale = 1e-7 * small.max(expected[i].abs()).max(expected[3 + i].abs()) + 1e-14;

@@ -226,7 +226,7 @@ impl Simulation {
                     let earlier = t - self.delay;
                     signals(earlier)
                 };
-                dvel += self.sensors.accelerometers(&felt) * weight;
+                dvel += self.sensors.accelerometers(felt) * weight;
             }
         }
         (dtheta * part, dvel * part)
