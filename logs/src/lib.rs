@@ -165,7 +165,7 @@ impl Log {
             warnings.extend(table.notes.iter().map(|note| format!("{path}: {note}")));
             warnings.extend(table.unused().map(|unused| format!("{path}: not used: {unused}")));
         }
-        let fixed_point = ![Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].into_iter().any(has);
+        let fixed_point = rows::is_fixed_point(&has);
         let bridge = reading.bridge.unwrap_or(0.0);
         Ok(Self { description, table, reference, fixed_point, bridge, unknown, coarse: None, warnings })
     }
