@@ -77,7 +77,7 @@ impl Arguments {
             _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, &target),
         };
         let filter = &*filter;
-        let open = |log: &Path| arguments::open(log, &self.columns.reading());
+        let open = |log: &Path| arguments::open(log, &self.columns.reading_for(filter));
         let first = open(log)?;
         let second = self.verify.as_deref().map(open).transpose()?;
         let setup = |log| Ok::<_, Report>(setup::of(log, setup::initial(log)?));

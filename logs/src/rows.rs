@@ -83,8 +83,15 @@ pub(super) enum Row {
 
 /// Whether nothing is said about the observed point: then it does not move.
 pub(super) fn is_fixed_point(has: &dyn Fn(Group) -> bool) -> bool {
-    let said = [Group::REF_VEL, Group::REF_POS, Group::REF_QUAT, Group::REF_HEIGHT, Group::REF_HEADING];
-    !said.into_iter().any(has)
+    let said = [
+        Group::REF_VEL,
+        Group::REF_POS,
+        Group::REF_QUAT,
+        Group::REF_HEIGHT,
+        Group::REF_HEADING,
+        Group::REF_RATE,
+    ];
+    !said.into_iter().chain(Group::REF_OWN.slots().map(|first| Group { first, len: 1 })).any(has)
 }
 
 impl Checker {
@@ -367,6 +374,14 @@ impl Checker {
                 return Err(self.cell_fault(Group::REF_HEADING.first, heading, "a heading in deg"));
             }
             reference.heading = Some(heading);
+        }
+        let rate = triple(batch, row, Group::REF_RATE);
+        reference.rate = self.whole(Group::REF_RATE, rate, LARGEST_RATE, "a rate in rad/s")?;
+        for (own, slot) in reference.own.iter_mut().zip(Group::REF_OWN.slots()) {
+            *own = batch.cell(slot, row);
+            if own.is_infinite() {
+                return Err(self.cell_fault(slot, *own, "a reading"));
+            }
         }
         let sigma = |slot: usize| match number(slot) {
             Some(value) if !SIGMA.contains(&value) => {

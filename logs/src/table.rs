@@ -296,6 +296,7 @@ fn asked(reading: &Reading, part: Part) -> Asked<'_> {
         part,
         by_rate: reading.stamps == Some(Stamps::Rate) && part != Part::Reference,
         columns: reading.columns.as_deref().filter(|_| part != Part::Reference),
+        own: &reading.own,
     }
 }
 

@@ -103,7 +103,7 @@ impl Arguments {
         let target = self.results.target()?;
         let filter = self.filter.filter()?;
         let filter = &*filter;
-        let mut log = Log::open_counting(&self.log.log, &self.log.columns.reading())?;
+        let mut log = Log::open_counting(&self.log.log, &self.log.columns.reading_for(filter))?;
         arguments::tell(&log);
         if self.coarse || log.unknown_pulses() != UnknownPulses::default() {
             setup::coarse(&mut log)?;

@@ -54,7 +54,7 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let target = self.results.target()?;
         let (calibrated, _) = read::read(&self.calibration)?;
-        let log = self.log.open()?;
+        let log = self.log.open_for(&*calibrated.filter)?;
         let (flights, alignment_s) = fly(&log, &[calibrated], self.align)?;
         let Some(flight) = flights.first() else { return Ok(()) };
         let (hours, largest, last) = (flight.hours(), flight.largest(), flight.last());

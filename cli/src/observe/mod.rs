@@ -38,7 +38,7 @@ impl Arguments {
         let target = self.results.target()?;
         let filter = self.filter.filter()?;
         let filter = &*filter;
-        let log = self.log.open()?;
+        let log = self.log.open_for(filter)?;
         let setup = setup::of(&log, setup::initial(&log)?);
         let source = Source::new(&log, "observing");
         let analysis = observe(filter, &source, &setup).map_err(|error| fault(&log, error))?;
