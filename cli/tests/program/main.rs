@@ -16,6 +16,7 @@ mod manners;
 mod memory;
 mod other_inputs;
 mod outside_logs;
+mod own_project;
 mod simulate;
 mod support;
 mod wrong_files;
