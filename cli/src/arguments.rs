@@ -138,7 +138,7 @@ pub(crate) struct FilterArgument {
     #[arg(long, value_name = "NAME", ignore_case = true, value_parser = filter())]
     filter: Arc<dyn AnyFilter>,
     #[command(flatten)]
-    change: Change,
+    pub(crate) change: Change,
 }
 
 impl FilterArgument {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use sinscal::{Reference, Sample};
 
-use super::columns::{Batch, Group, NEEDED};
+use super::columns::{Batch, Group, NAMES, NEEDED};
 use super::description::{Description, TEMPERATURES, UNIT_TOLERANCE};
 use super::fault::LogError;
 use super::stamps::Plan;
@@ -176,6 +176,24 @@ impl Checker {
         let mean = sum / finite as f64;
         if finite >= ROWS_FOR_MEAN && !(MEAN_FORCE.0..=MEAN_FORCE.1).contains(&mean) {
             let unit = force_unit(mean / STANDARD_GRAVITY, 1.0 / self.interval);
+            let group = if self.accel_scale.is_some() { Group::ACCEL_PULSE } else { Group::DVEL };
+            let dead = |slot: &usize| (0..batch.rows).all(|row| batch.cell(*slot, row) == 0.0);
+            let dead: Vec<String> = group
+                .slots()
+                .filter(dead)
+                .filter_map(|slot| Some(format!("`{}`", NAMES.get(slot)?)))
+                .collect();
+            if mean < MEAN_FORCE.0 && !dead.is_empty() && unit.is_none() {
+                let problem = format!(
+                    "rows {} to {}: the specific force is {mean:.3} m/s^2 on average, about 9.8 was expected, and {} read \
+                     nothing but 0",
+                    rows.0,
+                    rows.1,
+                    dead.join(", ")
+                );
+                let help = "is the sensor dead, or its column empty?";
+                return Err(LogError::column(&self.path, &group.names().join("`, `"), problem).help(help));
+            }
             let problem = format!(
                 "rows {} to {}: the specific force is {mean:.3} m/s^2 on average, about 9.8 was expected{}",
                 rows.0,

@@ -68,6 +68,15 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
         Self { prior, relaxing, noise, open: setup.open, triangle: Triangle::default() }
     }
 
+    /// The same where measurement `measured`, by its place in [`Filter::MEASURES`], is never read.
+    #[must_use]
+    pub fn unread(mut self, measured: usize) -> Self {
+        for row in F::rows(measured) {
+            self.noise[row] = f64::INFINITY;
+        }
+        self
+    }
+
     /// Appends the rows of a segment.
     ///
     /// The powers go to the number C of leading states: every higher one is a combination of these (Cayley and Hamilton; the

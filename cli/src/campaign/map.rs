@@ -59,7 +59,8 @@ struct Report {
 
 impl Arguments {
     pub(super) fn run(self) -> Result<()> {
-        let target = self.results.target()?;
+        let mut target = self.results.target()?;
+        self.drawn.scenario.iter().try_for_each(|path| target.reads(path))?;
         let plan = Plan {
             scenario: self.drawn.load()?,
             filters: paper()?,
