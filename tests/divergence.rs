@@ -40,7 +40,7 @@ fn a_run_that_breaks_down_names_time_and_channel() {
             // at the first reading of the reference after it, which comes once a second
             assert!((SPOILED..SPOILED + 1.1).contains(&found.time), "case {number}: {found:?}");
             assert!(found.channel.contains(channel), "case {number}: {found:?}");
-            assert!(found.to_string().contains(&format!("diverged at {} s", found.time)), "{found}");
+            assert!(found.to_string().contains(&format!("diverged at {:.2} s", found.time)), "{found}");
         }
     }
     assert_eq!(run::<Conventional>(|_| {}), Ok(()), "the log is sound");

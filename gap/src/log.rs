@@ -232,7 +232,7 @@ mod tests {
             Ok::<(), ReadError>(())
         };
         log.try_each_joined(&mut keep).unwrap();
-        assert_eq!((joined[0].time, joined[0].reference), (0.0, samples[0].reference));
+        assert_eq!((joined[0].time, joined[0].reference.velocity), (0.0, samples[0].reference.velocity));
         let sum = |all: &[Sample]| all.iter().fold(Vector3::zeros(), |sum, s| sum + s.dtheta + s.dvel);
         let until = joined.last().unwrap().time;
         let used: Vec<Sample> = samples.iter().copied().filter(|s| s.time <= until).collect();
