@@ -94,6 +94,10 @@ fn run_all(text: &str, folder: &Path) -> Done {
         if LONG.iter().any(|long| words.join(" ").starts_with(long)) {
             continue;
         }
+        // so short a log confirms nothing; the long test runs it
+        if words.iter().any(|word| word.ends_with("diagnosis.json")) {
+            continue;
+        }
         // a log that rests and turns, for what asks for one
         let coarse = words.contains(&"--coarse");
         // names that stand for something
