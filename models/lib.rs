@@ -181,8 +181,8 @@ pub use effects::{
     AnyBlock, AnyEffect, CATALOGUE, Catalogue, EFFECTS, Effect, EffectInfo, Kind, any_effect, effect,
 };
 pub use filters::{
-    FILTERS, FilterInfo, FilterVisitor, Mems30, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P, Tracked35,
-    literature, visit_filter,
+    FILTERS, FilterInfo, FilterVisitor, Mems30, PAPER, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P,
+    Tracked35, literature, visit_filter,
 };
 pub use gate::Gate;
 #[cfg(feature = "std")]

@@ -72,7 +72,7 @@ impl core::fmt::Display for Diverged {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(
             f,
-            "the filter diverged at {} s, when {} was measured: its innovations are no longer finite, or their \
+            "the filter diverged at {:.2} s, when {} was measured: its innovations are no longer finite, or their \
              covariance no longer positive definite. The increments, the reference and the initial attitude contradict each \
              other beyond all sigmas",
             self.time, self.channel

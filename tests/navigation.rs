@@ -134,3 +134,17 @@ fn forty_eight_hours_in_four_seconds() {
     println!("43d-b, 48 h at 100 Hz: {seconds:.2} s, {} m", run.drift().last);
     assert!(seconds < 4.0, "{seconds} s");
 }
+
+/// The largest of errors of which one is no number is no number.
+#[test]
+fn an_error_that_is_no_number_is_the_largest() {
+    let setup = level();
+    let mut run = FreeInertial::<Sins36P>::new(&setup, &parameters_of::<Sins36P>(&setup, |_| None));
+    let mut samples = at_rest(&setup, 30.0, Vector3::zeros());
+    samples[150].dvel.x = f64::NAN;
+    for (k, sample) in samples.iter().enumerate() {
+        run.step(sample);
+        assert_eq!(run.drift().largest.is_nan(), k >= 160 || run.drift().last.is_nan(), "{k}");
+    }
+    assert!(run.drift().largest.is_nan() && run.drift().last.is_nan());
+}

@@ -2,11 +2,11 @@
 
 mod common;
 
-use calib_core::{Filter, Shape};
+use calib_core::{Filter, Kalman, Shape};
 use common::{Numbers, setup, signals};
 use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::strapdown::{Before, Increments, NavigationState};
-use sinscal::{Point, Sins43B, Strapdown, Transition, earth, input_errors};
+use sinscal::{Point, Sins43B, Transition, earth, input_errors};
 
 const RATE: f64 = 200.0;
 const SECONDS: f64 = 1.0;
@@ -138,11 +138,26 @@ fn rows_are_the_derivative_of_the_mechanisation() {
     assert!(coarse < 6e-4, "{coarse:e}");
 }
 
+/// Below the rows of the leading states there are none: parameters and what is known of them stay to the bit.
 #[test]
 fn parameters_below_the_rows_stay() {
-    // the rows of a declaration are as many as its leading states: nothing else moves
-    assert_eq!(<<F as Filter>::Shape as Shape>::CORE, 9);
-    assert_eq!(Transition::<F, f64>::new().rows().as_slice().len(), 9);
-    fn same_family<D: Filter<Dynamics = Strapdown>>() {}
-    same_family::<F>();
+    let core = <<F as Filter>::Shape as Shape>::CORE;
+    let mut numbers = Numbers(5);
+    let mut kalman = Kalman::<F>::new(&Kalman::<F>::prior());
+    (0..F::DIM).for_each(|i| kalman.x_mut()[i] = numbers.next());
+    let mut transition = Transition::<F, f64>::new();
+    for k in 0..5 {
+        let at = common::point(&mut numbers);
+        transition.absorb(&at, &signals(f64::from(k)), 0.1);
+        transition.advance(&at, 0.1);
+    }
+    let (x, p) = (*kalman.x(), kalman.covariance());
+    kalman.predict(&transition, &<F as Filter>::Shape::core_vector(1e-6));
+    let after = kalman.covariance();
+    for i in core..F::DIM {
+        assert_eq!(kalman.x()[i].to_bits(), x[i].to_bits());
+        assert!((core..F::DIM).all(|j| after[i][j].to_bits() == p[i][j].to_bits()));
+    }
+    // and the leading states do not stay
+    assert!((0..core).all(|i| kalman.x()[i] != x[i] && after[i][i] > p[i][i]));
 }

@@ -184,6 +184,10 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
         C::propagate::<F::Shape, T>(&mut self.cov, rows, &transition.noise(density));
         if const { relaxes::<F>() } {
             relaxations::<F, T>(|state, _| {
+                let Relaxation { rate, density } = relaxing[state];
+                if rate == T::zero() && density == T::zero() {
+                    return;
+                }
                 let fade = Fade::over(relaxing[state], state, transition.elapsed());
                 self.x[state] *= fade.keep;
                 C::fade::<F::Shape, T>(&mut self.cov, &fade);

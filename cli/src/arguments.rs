@@ -93,8 +93,16 @@ impl Columns {
             stamps: self.stamps,
             columns: self.names.as_ref().map(|names| names.0.clone()),
             bridge: self.bridge_gaps,
+            own: Vec::new(),
             values: None,
         }
+    }
+}
+
+impl Columns {
+    /// The same for what a filter measures.
+    pub(crate) fn reading_for(&self, filter: &dyn AnyFilter) -> Reading {
+        Reading { own: filter.own_columns().into_iter().map(Into::into).collect(), ..self.reading() }
     }
 }
 
@@ -102,6 +110,11 @@ impl LogArgument {
     /// Opens it.
     pub(crate) fn open(&self) -> Result<Log> {
         open(&self.log, &self.columns.reading())
+    }
+
+    /// Opens it for what a filter measures.
+    pub(crate) fn open_for(&self, filter: &dyn AnyFilter) -> Result<Log> {
+        open(&self.log, &self.columns.reading_for(filter))
     }
 }
 
@@ -125,7 +138,7 @@ pub(crate) struct FilterArgument {
     #[arg(long, value_name = "NAME", ignore_case = true, value_parser = filter())]
     filter: Arc<dyn AnyFilter>,
     #[command(flatten)]
-    change: Change,
+    pub(crate) change: Change,
 }
 
 impl FilterArgument {

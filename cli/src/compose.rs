@@ -26,6 +26,11 @@ pub(crate) struct Change {
 }
 
 impl Change {
+    /// Diagnoses that are read.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.with.iter().filter(|entry| entry.ends_with(".json")).map(Path::new)
+    }
+
     /// `base` with the change.
     pub(crate) fn of(&self, base: &Arc<dyn AnyFilter>) -> Result<Arc<dyn AnyFilter>> {
         let mut with: Vec<String> = Vec::new();

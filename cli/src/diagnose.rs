@@ -70,16 +70,19 @@ fn fault(log: &Log, error: gap::Error) -> miette::Report {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
-        let target = self.results.target()?;
+        let mut target = self.results.target()?;
         let (log, filter) = match (&self.log, &self.filter) {
             (Some(log), Some(filter)) => (log, self.change.of(filter)?),
             // the parser of the command line lets nothing else through
-            _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, &target),
+            _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, target),
         };
         let filter = &*filter;
-        let open = |log: &Path| arguments::open(log, &self.columns.reading());
+        let open = |log: &Path| arguments::open(log, &self.columns.reading_for(filter));
         let first = open(log)?;
         let second = self.verify.as_deref().map(open).transpose()?;
+        self.change.files().try_for_each(|path| target.reads(path))?;
+        target.reads_log(&first)?;
+        second.iter().try_for_each(|second| target.reads_log(second))?;
         let setup = |log| Ok::<_, Report>(setup::of(log, setup::initial(log)?));
         let first_setup = setup(&first)?;
         let second_setup = second.as_ref().map(setup).transpose()?;

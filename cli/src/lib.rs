@@ -44,6 +44,7 @@ mod say;
 mod scenario;
 mod self_test;
 mod setup;
+mod signals;
 mod simulate;
 mod source;
 mod table;
@@ -141,6 +142,7 @@ impl Program {
 
 fn run() -> ExitCode {
     quiet_decoder();
+    signals::listen();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(usage) => {
@@ -194,7 +196,7 @@ fn complain(error: &dyn Diagnostic) {
     if handler.with_links(false).render_report(&mut text, error).is_err() {
         text = error.to_string();
     }
-    say::error(text.trim_end());
+    say::error(text.trim_end(), std::io::stderr().is_terminal() && say::coloured());
 }
 
 /// A panic inside the decoder of damaged files is caught and reported as what it is: it needs no message of its own.

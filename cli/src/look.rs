@@ -38,7 +38,8 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
-        let target = Target::new(self.json.as_deref(), self.out.as_deref())?;
+        let mut target = Target::new(self.json.as_deref(), self.out.as_deref())?;
+        target.reads_named(&self.log)?;
         if let Some(path) = &self.write_description {
             output::check_file(path)?;
             if path.exists() {

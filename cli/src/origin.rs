@@ -69,7 +69,7 @@ impl Documented for Report {
 
     fn with_log(mut self, log: &Log) -> Self {
         self = self.with_file("log", log.table());
-        let description = log.table().with_extension("toml");
+        let description = log.description_path();
         if let Ok(content) = std::fs::read_to_string(&description) {
             self = self.with_file("description", &description);
             self.attachments.push((description.display().to_string(), content));

@@ -3,14 +3,36 @@
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use logs::Log;
 use miette::{Result, miette};
+use same_file::Handle;
 use tempfile::NamedTempFile;
 
 use crate::say;
 
+/// A link leads to a link at most so often, as systems have it.
+const MOST_LINKS: usize = 40;
 /// How the name of a file that is not whole yet begins and ends.
 const PART: (&str, &str) = (".sinscal-", ".part");
+
+/// Files of this program that are not whole yet.
+static PARTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
+    PARTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Takes away all files that are not whole yet. None is begun or moved to its place as long as the guard is held.
+pub(crate) fn abandon() -> MutexGuard<'static, Vec<PathBuf>> {
+    let parts = parts();
+    for part in parts.iter() {
+        // what cannot be removed does no harm
+        let _ = fs::remove_file(part);
+    }
+    parts
+}
 
 /// Takes away what programs that were killed left in a folder. Whoever is at work on a file holds its lock.
 pub(crate) fn sweep(folder: &Path) {
@@ -47,7 +69,12 @@ pub(crate) fn check_file(path: &Path) -> Result<()> {
     if path.is_dir() {
         return Err(miette!("{}: is a folder, a file was expected", path.display()));
     }
-    let folder = folder_of(path);
+    if path.exists() && !path.is_file() {
+        // who reads from a pipe must not see it closed before anything was written
+        return Ok(());
+    }
+    let Place::File(file) = Place::of(path).map_err(|error| failed(path, &error))? else { return Ok(()) };
+    let folder = folder_of(&file);
     if !folder.is_dir() {
         return Err(miette!("{}: the folder {} is not there", path.display(), folder.display()));
     }
@@ -66,9 +93,72 @@ pub(crate) fn check_folder(path: &Path) -> Result<()> {
     }
 }
 
+/// Where a result goes.
+enum Place {
+    /// A file, which appears whole: where a link leads, if the result was sent to a link.
+    File(PathBuf),
+    /// A device or a pipe, which is written to.
+    Stream(File),
+    /// What standard output or standard error were sent to: written through them, so that what they say later comes after it.
+    Output(io::Stdout),
+    Errors(io::Stderr),
+}
+
+impl Place {
+    /// Opens what is no file.
+    fn of(path: &Path) -> io::Result<Self> {
+        if path.exists() && !path.is_file() {
+            return File::options().write(true).open(path).map(Self::Stream);
+        }
+        if let Ok(there) = Handle::from_path(path) {
+            if Handle::stdout().is_ok_and(|output| output == there) {
+                return Ok(Self::Output(io::stdout()));
+            }
+            if Handle::stderr().is_ok_and(|errors| errors == there) {
+                return Ok(Self::Errors(io::stderr()));
+            }
+        }
+        let mut file = path.to_owned();
+        for _ in 0..MOST_LINKS {
+            match fs::read_link(&file) {
+                Ok(next) => file = folder_of(&file).join(next),
+                Err(_) => return Ok(Self::File(file)),
+            }
+        }
+        Err(io::Error::other("too many links lead from one to the next"))
+    }
+}
+
+/// Files that a command reads. Nothing that it writes may take their place, whatever name, link or second name it goes by.
+#[derive(Default)]
+pub(crate) struct Sources(Vec<PathBuf>);
+
+impl Sources {
+    /// Adds a file. A device or a pipe is none, and neither is what is not there.
+    pub(crate) fn add(&mut self, path: &Path) {
+        if path.is_file() {
+            self.0.push(path.to_owned());
+        }
+    }
+
+    /// Refuses a result that would take the place of one of them.
+    fn check(&self, path: &Path) -> Result<()> {
+        let Ok(there) = Handle::from_path(path) else { return Ok(()) };
+        if self.0.iter().any(|source| Handle::from_path(source).is_ok_and(|source| source == there)) {
+            return Err(miette!(
+                help = "name another file for the result",
+                "{}: is read by this command, and would be lost if the result took its place",
+                path.display()
+            ));
+        }
+        Ok(())
+    }
+}
+
 /// Files that appear together once all of them are written, or not at all.
 #[derive(Default)]
 pub(crate) struct Files {
+    sources: Sources,
     written: Vec<(NamedTempFile, PathBuf)>,
     /// Folders made on the way, outermost first.
     made: Vec<PathBuf>,
@@ -76,6 +166,17 @@ pub(crate) struct Files {
 }
 
 impl Files {
+    /// None yet, and never one of those that are read.
+    pub(crate) fn beside(sources: Sources) -> Self {
+        Self { sources, written: Vec::new(), made: Vec::new(), done: false }
+    }
+
+    /// Refuses a file that could not be written at the end of a long run; takes away what killed programs left beside it.
+    pub(crate) fn check(&self, path: &Path) -> Result<()> {
+        check_file(path)?;
+        self.sources.check(path)
+    }
+
     /// Makes a folder and those above it, where missing, and takes away what killed programs left there.
     pub(crate) fn folder(&mut self, path: &Path) -> Result<()> {
         let missing: Vec<&Path> = path
@@ -100,11 +201,16 @@ impl Files {
         path: &Path,
         fill: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     ) -> Result<()> {
-        // A device or a pipe is no file to be replaced.
-        if path.exists() && !path.is_file() {
-            let mut stream = File::options().write(true).open(path).map_err(|error| failed(path, &error))?;
-            return fill(&mut stream).and_then(|()| stream.flush()).map_err(|error| failed(path, &error));
-        }
+        self.sources.check(path)?;
+        let through = |stream: &mut (dyn Write + Send)| {
+            fill(stream).and_then(|()| stream.flush()).map_err(|error| failed(path, &error))
+        };
+        let place = match Place::of(path).map_err(|error| failed(path, &error))? {
+            Place::Stream(mut stream) => return through(&mut stream),
+            Place::Output(mut output) => return through(&mut output),
+            Place::Errors(mut errors) => return through(&mut errors),
+            Place::File(place) => place,
+        };
         let mut builder = tempfile::Builder::new();
         builder.prefix(PART.0).suffix(PART.1);
         #[cfg(unix)]
@@ -113,24 +219,29 @@ impl Files {
             // What a file gets that is simply created: the umask still applies.
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
-        let folder = folder_of(path);
+        let folder = folder_of(&place);
         let beginning = File::open(folder).and_then(|folder| folder.lock_shared().map(|()| folder));
+        let mut parts = parts();
         let mut file = builder.tempfile_in(folder).map_err(|error| failed(path, &error))?;
+        parts.push(file.path().to_owned());
+        drop(parts);
         // what cannot be locked is not swept either
         let _ = file.as_file().lock();
         drop(beginning);
         let mut buffered = io::BufWriter::new(file.as_file_mut());
-        fill(&mut buffered).and_then(|()| buffered.flush()).map_err(|error| failed(path, &error))?;
+        through(&mut buffered)?;
         drop(buffered);
         file.as_file().sync_all().map_err(|error| failed(path, &error))?;
-        self.written.push((file, path.to_owned()));
+        self.written.push((file, place));
         Ok(())
     }
 
     /// Moves all files to their places. Two programs that write to one folder do so one after the other.
     pub(crate) fn commit(mut self) -> Result<()> {
         let _locks = self.lock();
+        let mut parts = parts();
         for (file, path) in self.written.drain(..) {
+            parts.retain(|part| part != file.path());
             file.persist(&path).map_err(|error| failed(&path, &error.error))?;
             say::detail(|| format!("wrote {}", path.display()));
         }
@@ -141,7 +252,9 @@ impl Files {
     /// Moves files to their places where there are none yet; what another program put there stays.
     pub(crate) fn commit_new(mut self) -> Result<()> {
         let _locks = self.lock();
+        let mut parts = parts();
         for (file, path) in self.written.drain(..) {
+            parts.retain(|part| part != file.path());
             match file.persist_noclobber(&path) {
                 Err(error) if error.error.kind() != io::ErrorKind::AlreadyExists => {
                     return Err(failed(&path, &error.error));
@@ -184,6 +297,7 @@ pub(crate) struct Target<'a> {
     /// JSON to standard output.
     to_stdout: bool,
     out: Option<&'a Path>,
+    sources: Sources,
 }
 
 impl<'a> Target<'a> {
@@ -197,19 +311,44 @@ impl<'a> Target<'a> {
         if let Some(path) = out {
             check_folder(path)?;
         }
-        Ok(Self { json, to_stdout, out })
+        Ok(Self { json, to_stdout, out, sources: Sources::default() })
+    }
+
+    /// Takes note of a file that the command reads; refuses it as a place for results, before any work is done where the place is
+    /// known by then.
+    pub(crate) fn reads(&mut self, path: &Path) -> Result<()> {
+        self.sources.add(path);
+        self.json.map_or(Ok(()), |json| self.sources.check(json))
+    }
+
+    /// The same of whatever a log of this name, with or without ending, may be read from before it is opened.
+    pub(crate) fn reads_named(&mut self, log: &Path) -> Result<()> {
+        self.reads(log)?;
+        for ending in ["toml", "parquet", "csv", "mat", "h5", "hdf5", "npz", "npy"] {
+            let mut name = log.as_os_str().to_owned();
+            name.push(format!(".{ending}"));
+            self.reads(Path::new(&name))?;
+            self.reads(&log.with_extension(ending))?;
+        }
+        Ok(())
+    }
+
+    /// The same of all that belongs to a log.
+    pub(crate) fn reads_log(&mut self, log: &Log) -> Result<()> {
+        log.files().iter().try_for_each(|file| self.reads(file))?;
+        self.reads(&log.table().with_extension("truth.json"))
     }
 
     /// Writes `NAME.json` and `NAME.txt` where asked, with `more` files in the folder, and prints what was asked for.
     pub(crate) fn write(
-        &self,
+        self,
         name: &str,
         json: &str,
         text: &str,
         verdict: &str,
         more: impl FnOnce(&mut Files, &Path) -> Result<()>,
     ) -> Result<()> {
-        let mut files = Files::default();
+        let mut files = Files::beside(self.sources);
         if let Some(path) = self.json {
             files.write(path, |file| file.write_all(json.as_bytes()))?;
         }
@@ -224,7 +363,7 @@ impl<'a> Target<'a> {
             say::remark(verdict);
             print(json)
         } else {
-            print(text)
+            print(&say::harmless(text, false))
         }
     }
 }

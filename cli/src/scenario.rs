@@ -12,6 +12,9 @@ use crate::vocabulary::vocabulary;
 /// Scenarios are small; what is larger is some other file.
 const LARGEST: u64 = 1 << 20;
 
+/// Texts with longer lines are not shown around a fault.
+const LONGEST_QUOTED: usize = 500;
+
 /// The scenario in a file, or the default one.
 pub(crate) fn load(path: Option<&Path>) -> Result<Scenario> {
     let Some(path) = path else { return Ok(Scenario::default()) };
@@ -30,13 +33,15 @@ pub(crate) fn load(path: Option<&Path>) -> Result<Scenario> {
 
 /// All that is wrong with a scenario, with a caret where it stands in a file.
 pub(crate) fn refused(file: Option<(&Path, &str)>, faults: Vec<Fault>) -> Report {
+    // the column of a far place has no room in an excerpt
+    let quoted = file.filter(|(_, text)| text.lines().all(|line| line.len() <= LONGEST_QUOTED));
     let name = file.map(|(path, _)| path.display().to_string());
     let mut faults = faults.into_iter().map(|fault| {
         let place = name.as_ref().map(|name| format!("{name}: ")).unwrap_or_default();
         Refused {
             message: format!("{place}{fault}"),
             span: fault.span.clone(),
-            text: file.map(|(path, text)| NamedSource::new(path.display().to_string(), text.to_owned())),
+            text: quoted.map(|(path, text)| NamedSource::new(path.display().to_string(), text.to_owned())),
             others: Vec::new(),
         }
     });

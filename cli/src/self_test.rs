@@ -20,7 +20,7 @@ struct Document<'a> {
 }
 
 /// Diagnoses `cases` units from seed `first` on.
-pub(crate) fn run(cases: u64, first: u64, target: &Target) -> Result<()> {
+pub(crate) fn run(cases: u64, first: u64, target: Target<'_>) -> Result<()> {
     let bar = progress_bar(cases, "diagnosing");
     let options = Options { rerun: false, ..Options::default() };
     let trials: Vec<Trial> = (first..first.saturating_add(cases))

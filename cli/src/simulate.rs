@@ -1,7 +1,9 @@
 //! `sinscal simulate`: writes the log of a simulated unit.
 
-use std::io::{self, Write};
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use miette::{Result, miette};
@@ -9,7 +11,7 @@ use rig::{DEFAULT_SCENARIO, Description, Simulation, Truth};
 use sinscal::Sample;
 
 use crate::origin::Documented as _;
-use crate::output::{self, Files};
+use crate::output::{self, Files, Sources};
 use crate::table::{self, Cells, TableWriter};
 use crate::vocabulary::vocabulary;
 use crate::{say, scenario};
@@ -17,6 +19,8 @@ use reports::Inputs;
 use reports::figures::significant;
 use reports::{Report, Section, Table, Tone, number, text};
 
+/// How the title of a simulated log's page begins.
+const PAGE: &str = "Simulated log ";
 /// Rows per piece of the written table.
 const ROWS: usize = 32_768;
 
@@ -59,6 +63,23 @@ impl Arguments {
             return Err(miette!("--out {}: DIR/NAME was expected", out.display()));
         };
         output::check_folder(folder)?;
+        let path = |ending: &str| folder.join(format!("{name}{ending}"));
+        let mut sources = Sources::default();
+        self.scenario.iter().for_each(|scenario| sources.add(scenario));
+        let mut files = Files::beside(sources);
+        for (ending, is_ours) in OURS {
+            let path = path(ending);
+            if path.exists() {
+                files.check(&path)?;
+            }
+            if path.is_file() && !is_ours(&path).unwrap_or(false) {
+                return Err(miette!(
+                    help = "name another place with --out, or take this file away",
+                    "{}: `sinscal simulate` did not write this file, and does not write over it",
+                    path.display()
+                ));
+            }
+        }
         let mut scenario = scenario::load(self.scenario.as_deref())?;
         if let Some(rate) = self.rate {
             scenario = scenario.with_rate(rate).map_err(|error| scenario::refused(None, error.faults))?;
@@ -69,8 +90,6 @@ impl Arguments {
         let description = simulation.description().clone();
         let truth = simulation.truth().clone();
         let samples = simulation.samples();
-        let path = |ending: &str| folder.join(format!("{name}{ending}"));
-        let mut files = Files::default();
         if !folder.as_os_str().is_empty() {
             files.folder(folder)?;
         }
@@ -79,7 +98,7 @@ impl Arguments {
         files.write(&path(".toml"), |file| file.write_all(description.to_toml().as_bytes()))?;
         files.write(&path(".truth.json"), |file| file.write_all(truth.to_json().as_bytes()))?;
         let verdict = format!("unit {}, {samples} samples in {:.0} s", self.seed, scenario.duration());
-        let page = page(format!("Simulated log {name}"), verdict, &truth, &inputs).with_program();
+        let page = page(format!("{PAGE}{name}"), verdict, &truth, &inputs).with_program();
         page.with("seed", self.seed.to_string())
             .with_scenario(self.scenario.as_deref())
             .write_page(&mut files, &path(".html"))?;
@@ -92,6 +111,36 @@ impl Arguments {
         ));
         Ok(())
     }
+}
+
+/// The files of a simulated log, and what says that a file by such a name is one.
+const OURS: [(&str, fn(&Path) -> io::Result<bool>); 4] = [
+    (".toml", |path| Ok(part(path, false)?.starts_with(format!("# {}", Description::MARK).as_bytes()))),
+    (".parquet", |path| Ok(holds(&part(path, true)?, Description::MARK))),
+    (".truth.json", |path| {
+        let truth: BTreeMap<String, Vec<f64>> = serde_json::from_slice(&part(path, false)?)?;
+        Ok(truth.keys().all(|name| sinscal::effect(name).is_some()))
+    }),
+    (".html", |path| Ok(holds(&part(path, false)?, PAGE))),
+];
+
+/// So much of a file is looked at, bytes: a truth is smaller, and a table's title stands within its last kilobyte.
+const PART: u64 = 1 << 16;
+
+/// The beginning of a file, or its end.
+fn part(path: &Path, end: bool) -> io::Result<Vec<u8>> {
+    let mut file = File::open(path)?;
+    if end {
+        let length = file.metadata()?.len();
+        file.seek(SeekFrom::Start(length.saturating_sub(PART)))?;
+    }
+    let mut bytes = Vec::new();
+    file.take(PART).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+fn holds(bytes: &[u8], mark: &str) -> bool {
+    bytes.windows(mark.len()).any(|window| window == mark.as_bytes())
 }
 
 /// The unit and what it was put through.
@@ -161,7 +210,7 @@ fn write_table(
         let cells = |of: &dyn Fn(&Sample) -> f64| Cells::Numbers(piece.iter().map(of).collect());
         columns.iter().map(|(name, of)| (name.clone(), cells(of))).collect()
     };
-    let mut writer = TableWriter::new(file, &cells(&[]))?;
+    let mut writer = TableWriter::new(file, &cells(&[]), &description.title)?;
     let bar = say::progress_bar(simulation.samples(), "simulating");
     let mut samples = simulation;
     loop {

@@ -6,14 +6,15 @@ use std::sync::{Mutex, PoisonError};
 use indicatif::ProgressBar;
 use logs::{Bridged, Log, LogError};
 use miette::{Report, miette};
-use runs::{ReadError, Samples};
+use runs::{Look, ReadError, Samples};
 use sinscal::Sample;
 
+use crate::calibrate::text::oddities;
 use crate::say;
 
 /// What to look at when a filter breaks down over a log whose every row is plausible.
 const DIVERGED: &str = "look at that time in the log; and at [prior] and [initial] of its description: a sigma that is far too wide \
-                        leaves the arithmetic no digits, one far too small no room";
+                        leaves the arithmetic no digits, one far too small no room, and quaternions go w, x, y, z";
 
 /// A log with a bar that shows how far reading has come.
 pub(crate) struct Source<'a> {
@@ -65,7 +66,14 @@ pub(crate) fn fault(log: &Log, error: runs::Error) -> Report {
     let table = log.table().display();
     match error {
         runs::Error::Unreadable(source) => unreadable(log, source),
-        runs::Error::Diverged { .. } => miette!(help = DIVERGED, "{table}: {error}"),
+        runs::Error::Diverged { .. } => {
+            // what the samples themselves show is the likelier cause
+            let mut look = Look::default();
+            let read = log.samples().map(|samples| samples.map_while(Result::ok).for_each(|s| look.push(&s)));
+            let mut odd = if read.is_ok() { oddities(&look, true) } else { Vec::new() };
+            odd.push(DIVERGED.to_owned());
+            miette!(help = odd.join("; "), "{table}: {error}")
+        }
         runs::Error::NoUpdate { .. } => miette!(
             help = "`sinscal filters` says what each filter measures; ref_vel_*, ref_pos_* and ref_quat_* are the columns",
             "{table}: {error}"

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::Result;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
@@ -28,14 +29,15 @@ pub(crate) struct TableWriter<'a> {
 }
 
 impl<'a> TableWriter<'a> {
-    /// A table with columns like these; their cells are not written.
-    pub(crate) fn new(out: &'a mut (dyn Write + Send), like: &[Column]) -> io::Result<Self> {
+    /// A table with columns like these, whose cells are not written, and a title.
+    pub(crate) fn new(out: &'a mut (dyn Write + Send), like: &[Column], title: &str) -> io::Result<Self> {
         let fields = like.iter().map(|(name, cells)| field(name, cells).map(Arc::new));
         let schema =
             Type::group_type_builder("schema").with_fields(fields.collect::<Result<_>>()?).build()?;
         let properties = WriterProperties::builder()
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
             .set_created_by(concat!("sinscal ", env!("CARGO_PKG_VERSION")).into())
+            .set_key_value_metadata(Some(vec![KeyValue::new("title".to_owned(), title.to_owned())]))
             .build();
         Ok(Self { file: SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties))? })
     }

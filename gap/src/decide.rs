@@ -1,5 +1,6 @@
 //! From prices to a verdict.
 
+use crate::error::SceneError;
 use crate::name::{MARGIN, Search, Tried, search};
 use crate::noise::TRUSTED;
 use crate::open::Open;
@@ -89,11 +90,20 @@ fn exchanged(
     rivals
 }
 
-pub(crate) fn decide(first: &Scene, second: Option<&Scene>, open: Option<&Open>, threshold: f64) -> Decision {
+/// Judges what the first log shows, with the second where there is one.
+///
+/// # Errors
+/// When the families of the second log cannot be priced.
+pub(crate) fn decide(
+    first: &Scene,
+    second: Option<&Scene>,
+    open: Option<&Open>,
+    threshold: f64,
+) -> Result<Decision, SceneError> {
     let among = first.excited();
-    if is_chance(first, second, open, &among, threshold) {
+    if is_chance(first, second, open, &among, threshold)? {
         let none = Tried::new(&first.prices, Vec::new(), &among);
-        return nothing_named(first, Search { sets: vec![none], adequate: true }, Vec::new());
+        return Ok(nothing_named(first, Search { sets: vec![none], adequate: true }, Vec::new()));
     }
     let mut found = search(&first.prices, &among, threshold);
     let mut loud = open.map_or(Vec::new(), |o| o.loud(&found.sets[0].groups));
@@ -111,7 +121,7 @@ pub(crate) fn decide(first: &Scene, second: Option<&Scene>, open: Option<&Open>,
         }
     }
     if found.sets[0].groups.is_empty() {
-        return nothing_named(first, found, loud);
+        return Ok(nothing_named(first, found, loud));
     }
     let mut sets: Vec<(Standing, Tried)> = found
         .sets
@@ -155,8 +165,8 @@ pub(crate) fn decide(first: &Scene, second: Option<&Scene>, open: Option<&Open>,
         reason: None,
         stripped,
     };
-    judge(first, second, open, &mut decision, clean);
-    decision
+    judge(first, second, open, &mut decision, clean)?;
+    Ok(decision)
 }
 
 /// Whether what is significant is so by little, and nothing is in the second log.
@@ -166,23 +176,26 @@ fn is_chance(
     open: Option<&Open>,
     among: &[usize],
     threshold: f64,
-) -> bool {
+) -> Result<bool, SceneError> {
     let library = first.prices.worst(among.iter().copied()).map_or(0.0, |(_, score)| score.ln_p - threshold);
     let loudest = open.and_then(|o| o.loud(&[]).iter().map(|loud| o.beyond(loud)).min_by(f64::total_cmp));
     let most = loudest.map_or(library, |families| families.min(library));
-    most < 0.0 && most > -WEAK && second.is_some_and(|s| is_silent(s, open, threshold))
+    match second {
+        Some(second) if most < 0.0 && most > -WEAK => is_silent(second, open, threshold),
+        _ => Ok(false),
+    }
 }
 
 /// Whether nothing is significant in the second log, on top of the base filter, by the thresholds of the first.
-fn is_silent(second: &Scene, open: Option<&Open>, threshold: f64) -> bool {
+fn is_silent(second: &Scene, open: Option<&Open>, threshold: f64) -> Result<bool, SceneError> {
     let library = second.prices.worst(second.excited().into_iter()).is_none_or(|(_, s)| s.ln_p > threshold);
-    let there = Open::prices(second);
+    let there = Open::prices(second)?;
     let families = there.zip(open).is_none_or(|(mut there, open)| {
         there.threshold = open.threshold;
         there.threshold_of_bursts = open.threshold_of_bursts;
         there.loud(&[]).is_empty()
     });
-    library && families
+    Ok(library && families)
 }
 
 /// No effect of the library is significant.
@@ -207,6 +220,17 @@ fn nothing_named(first: &Scene, mut found: Search, loud: Vec<(usize, crate::pric
         remains: None,
         reason,
         stripped: Vec::new(),
+    }
+}
+
+/// Nothing is named, whatever was found, for a reason that stands in the samples themselves.
+pub(crate) fn withheld(first: &Scene, reason: String) -> Decision {
+    let none = Tried::new(&first.prices, Vec::new(), &first.excited());
+    let search = Search { sets: vec![none], adequate: false };
+    Decision {
+        verdict: Verdict::NotConfirmed,
+        reason: Some(reason),
+        ..nothing_named(first, search, Vec::new())
     }
 }
 
@@ -285,7 +309,13 @@ fn with(groups: &[usize], g: usize) -> Vec<usize> {
 }
 
 /// The verdict on a set of effects.
-fn judge(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &mut Decision, clean: bool) {
+fn judge(
+    first: &Scene,
+    second: Option<&Scene>,
+    open: Option<&Open>,
+    decision: &mut Decision,
+    clean: bool,
+) -> Result<(), SceneError> {
     let best = &decision.best;
     if !clean {
         let strong = outweighs(first, second, open, decision);
@@ -295,32 +325,32 @@ fn judge(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
             decision.reason = Some(
                 "something significant remains on top of every set of known effects that was tried".into(),
             );
-            return;
+            return Ok(());
         }
     }
-    let families = unresolved(second, open, decision);
+    let families = unresolved(second, open, decision)?;
     if let (Some(open), Some((family, ahead))) = (open, families.first()) {
         let name = &open.prices.groups[*family].name;
         decision.reason = Some(format!("{name}, which is no known effect, explains the data as well"));
         decision.correlates = families.iter().map(|f| f.0).collect();
         decision.verdict = if *ahead > MARGIN { Verdict::OutsideLibrary } else { Verdict::Ambiguous };
-        return;
+        return Ok(());
     }
     if !decision.rivals.is_empty() {
         decision.verdict = Verdict::Ambiguous;
-        return;
+        return Ok(());
     }
     let name = |i: usize| first.prices.groups[best.groups[i]].name.as_str();
     if let Some(i) = (0..decision.each.len()).find(|i| decision.each[*i] < CONFIRMED) {
         let other = if second.is_some() { "the second log" } else { "the second half of the log" };
         decision.verdict = Verdict::NotConfirmed;
         decision.reason = Some(format!("{other} does not speak for {}", name(i)));
-        return;
+        return Ok(());
     }
     if second.is_some() && decision.verification.is_none() {
         decision.verdict = Verdict::NotConfirmed;
         decision.reason = Some("the second log cannot show it".into());
-        return;
+        return Ok(());
     }
     if let Some(v) = &decision.verification
         && let Some(i) = (0..v.same.len()).find(|i| !v.same[*i])
@@ -329,20 +359,25 @@ fn judge(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
         decision.verdict = Verdict::NotConfirmed;
         decision.reason = Some(format!("{} has another value in the second log", name(i)));
     }
+    Ok(())
 }
 
 /// Families of the dictionary that explain the data as well as the set, the second log included.
-fn unresolved(second: Option<&Scene>, open: Option<&Open>, decision: &Decision) -> Vec<(usize, f64)> {
-    let Some(open) = open else { return Vec::new() };
+fn unresolved(
+    second: Option<&Scene>,
+    open: Option<&Open>,
+    decision: &Decision,
+) -> Result<Vec<(usize, f64)>, SceneError> {
+    let Some(open) = open else { return Ok(Vec::new()) };
     let named = &decision.best.groups;
     let mut families = open.rivals(named, None);
     if !families.is_empty()
         && let (Some(second), Some(v)) = (second, &decision.verification)
-        && let Some(there) = Open::prices(second)
+        && let Some(there) = Open::prices(second)?
     {
         families = open.rivals(named, Some((&there, v.ln_e)));
     }
-    families
+    Ok(families)
 }
 
 /// Whether every member of the set outweighs what remains, in both logs.

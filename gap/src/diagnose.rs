@@ -3,7 +3,7 @@
 use runs::AnyFilter;
 use sinscal::{AnyEffect, Setup};
 
-use crate::decide::{Decision, decide};
+use crate::decide::{Decision, decide, withheld};
 use crate::declaration::declaration;
 use crate::error::{Error, FIRST, SECOND};
 use crate::excite::indistinguishable;
@@ -66,7 +66,7 @@ fn workflow(
     progress("reading", 0.0);
     let (there, here) = both(|| verify.map(Survey::of), || Survey::of(log));
     let here = here.map_err(|e| Error::of(FIRST, e.into()))?;
-    let there = there.flatten().transpose().map_err(|e| Error::of(SECOND, e.into()))?;
+    let there = there.transpose().map_err(|e| Error::of(SECOND, e.into()))?;
     let same = there.is_some_and(|there| there.is_same(&here));
     let there = there.filter(|_| !same);
     let setup = here.setup(log);
@@ -84,16 +84,21 @@ fn workflow(
         || Scene::new(machine, log, &here),
     );
     let first = first.map_err(|e| Error::of(FIRST, e))?;
-    let second = second.flatten().transpose().map_err(|e| Error::of(SECOND, e))?;
+    let second = second.transpose().map_err(|e| Error::of(SECOND, e))?;
     progress("pricing what is in no library", 0.45);
     let rate = options.false_alarms / 2.0;
     let (open, limit) = both(
         || Open::new(&first, rate, options.seed),
         || threshold::simulate(&first.prices, &first.excited(), rate, options.seed, "library"),
     );
-    let open = open.flatten();
+    let open = open.map_err(|e| Error::of(FIRST, e))?;
     progress("naming and verifying", 0.6);
-    let decision = decide(&first, second.as_ref(), open.as_ref(), limit);
+    let decision = decide(&first, second.as_ref(), open.as_ref(), limit).map_err(|e| Error::of(SECOND, e))?;
+    let saturated = here.look.saturated().or_else(|| there.and_then(|there| there.look.saturated()));
+    let decision = match saturated {
+        Some(saturated) => withheld(&first, format!("the {saturated}")),
+        None => decision,
+    };
     let mut d = report(machine, &first, second.as_ref(), open.as_ref(), &decision);
     if options.rerun && !decision.best.groups.is_empty() {
         progress("running the filter with what was found", 0.7);
@@ -112,7 +117,7 @@ fn workflow(
         d.notes.push("the second log is the first one again, and confirms nothing: it was left out".into());
     }
     d.notes.extend(rarely.into_iter().flatten());
-    d.sentence = say::sentence(&d, decision.best.gain, decision.reason.as_deref());
+    d.sentence = say::sentence(&d, decision.best.gain, decision.reason.as_deref(), same);
     progress("done", 1.0);
     Ok(d)
 }

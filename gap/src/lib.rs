@@ -52,6 +52,8 @@ mod run;
 mod say;
 mod scan;
 mod scene;
+#[cfg(test)]
+mod tests;
 mod threshold;
 mod verify;
 mod white;

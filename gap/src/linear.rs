@@ -131,7 +131,8 @@ impl FreeRun {
 /// beside it. Columns in neither are zero in truth.
 ///
 /// With F, H, K of the filter, `U = F V + Gamma`, `S = H U + D`, `V = U - K S` carry the sensitivity of the estimation
-/// error to each unmodelled constant (Friedland's separate bias, exact); the estimate goes with them as one more column.
+/// error to each unmodelled constant (Friedland's separate bias, exact); the estimate goes with them as one more column. Nothing
+/// where an innovation covariance is not positive definite, or a number is none any more.
 pub(crate) fn run(
     recording: &Recording,
     estimated: &[usize],
@@ -304,6 +305,10 @@ fn filter<const FUSED: bool>(
         for j in 0..i {
             gram[i * nc + j] = gram[j * nc + i];
         }
+    }
+    // a sensitivity that is no number any more would pass for an effect that does not show
+    if gram.iter().any(|product| !product.is_finite()) {
+        return None;
     }
     let errors = w.split_off(CORE * nc);
     let variances = (CORE..n).map(|i| p[i * n + i]).collect();

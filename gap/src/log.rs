@@ -2,7 +2,7 @@
 
 use std::hash::{DefaultHasher, Hasher};
 
-use runs::{ReadError, Samples, each};
+use runs::{Look, ReadError, Samples, each};
 use sinscal::{Reference, Sample, Setup};
 
 /// A reference that stays within so many of its standard deviations does not move.
@@ -87,6 +87,8 @@ pub(crate) struct Survey {
     pub(crate) attitude: bool,
     /// Whether the observed point stays where it is.
     pub(crate) fixed: bool,
+    /// What the samples say by themselves.
+    pub(crate) look: Look,
     /// Readings of the reference.
     readings: usize,
     /// The same for two logs that measured the same.
@@ -94,10 +96,29 @@ pub(crate) struct Survey {
 }
 
 impl Survey {
+    /// Of no log at all.
+    #[cfg(test)]
+    pub(crate) fn nothing() -> Self {
+        Self {
+            span: (0.0, 1.0),
+            attitude: false,
+            fixed: false,
+            look: Look::default(),
+            readings: 0,
+            digest: 0,
+        }
+    }
+
     pub(crate) fn of(log: &Log) -> Result<Self, ReadError> {
         let sigma = &log.setup.reference;
-        let mut survey =
-            Self { span: (f64::NAN, f64::NAN), attitude: false, fixed: true, readings: 0, digest: 0 };
+        let mut survey = Self {
+            span: (f64::NAN, f64::NAN),
+            attitude: false,
+            fixed: true,
+            look: Look::default(),
+            readings: 0,
+            digest: 0,
+        };
         let mut digest = DefaultHasher::new();
         let mut origin = None;
         log.try_each::<ReadError>(|s| {
@@ -105,6 +126,7 @@ impl Survey {
                 survey.span.0 = s.time;
             }
             survey.span.1 = s.time;
+            survey.look.push(s);
             let reference = &s.reference;
             survey.attitude |= reference.attitude.is_some();
             let still = reference.velocity.is_none_or(|v| v.amax() < STILL * sigma.velocity);

@@ -110,7 +110,7 @@ impl Menu {
             |part: &[(&'static str, Change)]| part.iter().map(simulated).collect::<Result<Vec<_>, _>>();
         let (other, mine) = both(|| some(right), || some(left));
         let mut runs = mine?;
-        runs.extend(other.transpose()?.unwrap_or_default());
+        runs.extend(other?);
         Ok(Self { runs })
     }
 

@@ -33,7 +33,8 @@ impl Tried {
 
     /// Whether nothing on top of it is more significant than `threshold`.
     pub(crate) fn is_adequate(&self, threshold: f64) -> bool {
-        self.left.is_none_or(|(_, score)| score.ln_p > threshold)
+        // of a set that cannot be priced nothing is known
+        self.gain.is_finite() && self.left.is_none_or(|(_, score)| score.ln_p > threshold)
     }
 }
 

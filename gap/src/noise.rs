@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::linear::{Found, Noise, Recorded, run};
+use crate::parallel::both;
 use crate::prices::{Prices, groups_of};
 use crate::recording::Recording;
 
@@ -48,13 +49,10 @@ fn objective(recording: &Recording, x: &Vector3<f64>) -> f64 {
 /// Objective at several places, on two threads.
 fn objectives(recording: &Recording, places: &[Vector3<f64>]) -> Vec<f64> {
     let (left, right) = places.split_at(places.len() / 2);
-    std::thread::scope(|scope| {
-        let other = scope.spawn(|| left.iter().map(|x| objective(recording, x)).collect::<Vec<_>>());
-        let mine: Vec<f64> = right.iter().map(|x| objective(recording, x)).collect();
-        let mut all = other.join().unwrap_or_else(|_| vec![f64::NEG_INFINITY; left.len()]);
-        all.extend(mine);
-        all
-    })
+    let of = |places: &[Vector3<f64>]| places.iter().map(|x| objective(recording, x)).collect::<Vec<f64>>();
+    let (mut all, mine) = both(|| of(left), || of(right));
+    all.extend(mine);
+    all
 }
 
 /// Fits the noise scales under base and all candidates by Newton's method in their logarithms; also whether one of them is

@@ -1,6 +1,7 @@
 //! The open stage: is something there that no effect of the library explains?
 
 use crate::dictionary::{Dictionary, Triad};
+use crate::error::SceneError;
 use crate::linear::run;
 use crate::name::MARGIN;
 use crate::prices::{Group, Prices, Score, groups_of};
@@ -61,9 +62,31 @@ pub(crate) fn vocabulary<'a>(recording: &Recording, library: &'a [usize]) -> Dic
 }
 
 impl Open {
+    /// From prices whose first `families` groups are families, the others the library's; `rms` of each column.
+    #[cfg(test)]
+    pub(crate) fn of_prices(
+        prices: Prices,
+        families: usize,
+        threshold: f64,
+        rms: Vec<f64>,
+        updates: usize,
+    ) -> Self {
+        Self {
+            columns: (0..rms.len()).map(|c| vec![c]).collect(),
+            units: vec!["1".into(); families],
+            prices,
+            families,
+            bursts: Vec::new(),
+            threshold,
+            threshold_of_bursts: threshold,
+            rms,
+            updates,
+        }
+    }
+
     /// With the thresholds that are exceeded with probability `rate` when nothing is missing.
-    pub(crate) fn new(scene: &Scene, rate: f64, seed: u64) -> Option<Self> {
-        let (mut new, of_cells) = Self::priced(scene)?;
+    pub(crate) fn new(scene: &Scene, rate: f64, seed: u64) -> Result<Option<Self>, SceneError> {
+        let Some((mut new, of_cells)) = Self::priced(scene)? else { return Ok(None) };
         let own: Vec<usize> = (0..new.families - new.bursts.len()).collect();
         new.threshold = threshold::simulate(&new.prices, &own, rate / 2.0, seed, "dictionary");
         let scans: Vec<(usize, Scan)> = (0..of_cells.groups.len())
@@ -78,31 +101,32 @@ impl Open {
             let g = new.families - new.bursts.len() + i;
             if new.prices.score(g).ln_p < new.threshold_of_bursts {
                 let burst = &mut new.bursts[i];
-                if let Some(stretch) = finer(scene, burst) {
+                if let Some(stretch) = finer(scene, burst)? {
                     burst.stretch = stretch;
                     new.prices.groups[g].name = stretch.name(burst.triad.name);
                 }
             }
         }
-        Some(new)
+        Ok(Some(new))
     }
 
     /// Without thresholds.
-    pub(crate) fn prices(scene: &Scene) -> Option<Self> {
-        Some(Self::priced(scene)?.0)
+    pub(crate) fn prices(scene: &Scene) -> Result<Option<Self>, SceneError> {
+        Ok(Self::priced(scene)?.map(|priced| priced.0))
     }
 
-    /// Without thresholds, and what the cells of each triad say.
-    fn priced(scene: &Scene) -> Option<(Self, Prices)> {
+    /// Without thresholds, and what the cells of each triad say. Nothing where no signal was recorded that makes a family.
+    fn priced(scene: &Scene) -> Result<Option<(Self, Prices)>, SceneError> {
         let recording = &scene.ran.recording;
         let library = recording.candidates();
         let triads = Triad::all(recording);
         let dictionary = vocabulary(recording, &library);
         if dictionary.own() == 0 {
-            return None;
+            return Ok(None);
         }
         let features = dictionary.own() - 3 * CELLS * triads.len();
-        let found = run(recording, &recording.base(), &dictionary, &scene.noise, &mut |_| {})?;
+        let found = run(recording, &recording.base(), &dictionary, &scene.noise, &mut |_| {})
+            .ok_or(SceneError::Indefinite)?;
         let mut sigma = dictionary.sigma.clone();
         sigma.extend(library.iter().map(|c| recording.columns[*c].prior));
         let mut known = groups_of(&recording.columns, &library);
@@ -173,7 +197,7 @@ impl Open {
             rms,
             updates: recording.updates(),
         };
-        Some((open, all.only(&own)))
+        Ok(Some((open, all.only(&own))))
     }
 
     /// The stretch of a family, where it is one.
@@ -301,14 +325,17 @@ impl Open {
 }
 
 /// A second look at where a stretch begins and ends.
-fn finer(scene: &Scene, burst: &Burst) -> Option<Stretch> {
+fn finer(scene: &Scene, burst: &Burst) -> Result<Option<Stretch>, SceneError> {
     let recording = &scene.ran.recording;
     let bounds = burst.stretch.finer(recording.span());
     let mut dictionary = Dictionary::new(&[]);
     dictionary.add_cells(recording, &burst.triad, &bounds);
-    let found = run(recording, &recording.base(), &dictionary, &scene.noise, &mut |_| {})?;
+    let found = run(recording, &recording.base(), &dictionary, &scene.noise, &mut |_| {})
+        .ok_or(SceneError::Indefinite)?;
     let prices = Prices::new(&found.gram, dictionary.sigma, Vec::new());
-    let ((from, to), _) = Scan::new(&prices.lambda, 0).most(prices.b.as_slice())?;
-    let lasts = burst.stretch.lasts && to + 1 == bounds.len();
-    Some(Stretch { start: bounds[from], end: bounds[to], lasts })
+    let most = Scan::new(&prices.lambda, 0).most(prices.b.as_slice());
+    Ok(most.map(|((from, to), _)| {
+        let lasts = burst.stretch.lasts && to + 1 == bounds.len();
+        Stretch { start: bounds[from], end: bounds[to], lasts }
+    }))
 }

@@ -68,10 +68,22 @@ impl Pair {
 }
 
 /// Largest horizontal error, m, of `log` navigated free-inertially with the parameters that a run found.
-fn navigated(machine: &dyn Machine, log: &Log, (first, last): (f64, f64), ran: &Ran) -> Option<f64> {
+/// Nothing where it cannot be aligned, navigation diverges, or there is nothing to compare with.
+fn navigated(
+    machine: &dyn Machine,
+    log: &Log,
+    (first, last): (f64, f64),
+    ran: &Ran,
+) -> Result<Option<f64>, SceneError> {
     let board = || vec![(String::new(), machine.pilot(log.setup, &ran.estimate))];
-    let (flights, _) = navigate(log.samples, &board, ALIGNMENT.min(0.25 * (last - first))).ok()?;
-    flights.first().map(|flight| flight.drift.largest).filter(|largest| largest.is_finite())
+    match navigate(log.samples, &board, ALIGNMENT.min(0.25 * (last - first))) {
+        Ok((flights, _)) => {
+            let largest = flights.first().map(|flight| flight.drift.largest);
+            Ok(largest.filter(|largest| largest.is_finite()))
+        }
+        Err(runs::Error::Unreadable(source)) => Err(SceneError::Unreadable(source)),
+        Err(_) => Ok(None),
+    }
 }
 
 /// Runs base and extended filter on both logs and compares.
@@ -94,7 +106,7 @@ pub(crate) fn rerun(
         || Pair::run(machine, &added, log, first),
     );
     let mut here = here.map_err(|e| Error::of(FIRST, e))?;
-    let mut there = there.flatten().transpose().map_err(|e| Error::of(SECOND, e))?;
+    let mut there = there.transpose().map_err(|e| Error::of(SECOND, e))?;
     for effect in &mut d.effects {
         let values = here.values(&effect.name);
         // pricing has the fitted noise, the closed loop the stated one: keep the former's standard deviations
@@ -106,11 +118,15 @@ pub(crate) fn rerun(
     // the second log is navigated with what the first one said
     let fly = |log: &Log, scene: &Scene| {
         let fly = |ran| navigated(machine, log, scene.survey.span, ran);
-        let (before, after) = scene.survey.fixed.then(|| both(|| fly(&here.before), || fly(&here.after)))?;
-        Some(Horizontal { before_m: before.flatten()?, after_m: after? })
+        if !scene.survey.fixed {
+            return Ok(None);
+        }
+        let (before, after) = both(|| fly(&here.before), || fly(&here.after));
+        Ok(before?.zip(after?).map(|(before_m, after_m)| Horizontal { before_m, after_m }))
     };
-    let beyond = verify.zip(second).and_then(|(log, scene)| fly(log, scene));
-    here.gap.horizontal = fly(log, first);
+    let beyond = verify.zip(second).map(|(log, scene)| fly(log, scene)).transpose();
+    let beyond = beyond.map_err(|e| Error::of(SECOND, e))?.flatten();
+    here.gap.horizontal = fly(log, first).map_err(|e| Error::of(FIRST, e))?;
     if let Some(pair) = &mut there {
         pair.gap.horizontal = beyond;
     }

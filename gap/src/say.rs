@@ -43,8 +43,8 @@ pub(crate) fn power(ln: f64) -> String {
     if log10.abs() < 4.0 { format!("{:.3}", ln.exp()) } else { format!("1e{log10:.0}") }
 }
 
-/// The verdict in a sentence.
-pub(crate) fn sentence(d: &Diagnosis, gain: f64, reason: Option<&str>) -> String {
+/// The verdict in a sentence; `same` says that the second log is the first one again.
+pub(crate) fn sentence(d: &Diagnosis, gain: f64, reason: Option<&str>, same: bool) -> String {
     let because = reason.map_or(String::new(), |r| format!(": {r}"));
     match d.verdict {
         Verdict::NothingMissing => {
@@ -55,7 +55,7 @@ pub(crate) fn sentence(d: &Diagnosis, gain: f64, reason: Option<&str>) -> String
             }
             text
         }
-        Verdict::EffectsFound => found(d, gain),
+        Verdict::EffectsFound => found(d, gain, same),
         Verdict::OutsideLibrary => {
             let with =
                 d.correlates_with.first().map_or(String::new(), |c| format!("; it correlates with {c}"));
@@ -83,15 +83,15 @@ pub(crate) fn sentence(d: &Diagnosis, gain: f64, reason: Option<&str>) -> String
     }
 }
 
-fn found(d: &Diagnosis, gain: f64) -> String {
+const ALONE: &str = "on the second half of the run (no second run was given)";
+const AGAIN: &str = "on the second half of the run (the second run is the first one again)";
+
+fn found(d: &Diagnosis, gain: f64, same: bool) -> String {
     let named: Vec<String> = d.effects.iter().map(describe).collect();
     let mut text = format!("Missing: {}.", named.join("; and "));
     let least = d.effects.iter().map(|e| e.log_e_verify).fold(f64::INFINITY, f64::min);
-    let (here, there) = if d.verified {
-        ("here", "on the second run")
-    } else {
-        ("here", "on the second half of the run (no second run was given)")
-    };
+    let (here, there) =
+        if d.verified { ("here", "on the second run") } else { ("here", if same { AGAIN } else { ALONE }) };
     let _ = write!(
         text,
         " Log-likelihood gain {gain:.0} {here}, e-value {}{} {there}",

@@ -92,6 +92,10 @@ pub(super) fn load(
         let mut room = true;
         file.read(index, &mut |value| {
             let column = if shape.by_row { count % shape.columns as u64 } else { count / shape.rows };
+            count += 1;
+            if count > total {
+                return false;
+            }
             for (slot, _) in wanted.iter().filter(|(_, wanted)| *wanted as u64 == column) {
                 // what is announced may be more than there is, and what there is more than the machine can hold
                 room &= columns[*slot].try_reserve(1).is_ok();
@@ -99,15 +103,24 @@ pub(super) fn load(
                     columns[*slot].push(value);
                 }
             }
-            count += 1;
-            room && count < total
+            room
         })
         .map_err(|problem| {
-            fault(format!("cannot be read: {problem}")).help("write the file again; it is damaged or cut off")
+            let foreign = problem.to_ascii_lowercase().contains("unsupported");
+            let help = if foreign {
+                "it is packed in a way that is not read here (LZF and the like): write it with gzip, or unpacked"
+            } else {
+                "write the file again; it is damaged or cut off"
+            };
+            fault(format!("cannot be read: {problem}")).help(help)
         })?;
         if !room {
             let help = "a log as Parquet or CSV is read in pieces and may be of any length";
             return Err(fault("does not fit into the memory of this machine".into()).help(help));
+        }
+        if count > total {
+            let problem = format!("holds more than the {total} numbers that were announced");
+            return Err(fault(problem).help("write the file again"));
         }
         if count < total {
             let problem = format!("is cut off: it holds {count} numbers, {total} were announced");

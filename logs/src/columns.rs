@@ -3,7 +3,7 @@
 use super::fault::LogError;
 
 /// Every column of the format; a slot is an index into this list.
-pub(super) const NAMES: [&str; 48] = [
+pub(super) const NAMES: [&str; 59] = [
     "time_s",
     "dtheta_x",
     "dtheta_y",
@@ -52,6 +52,17 @@ pub(super) const NAMES: [&str; 48] = [
     "ref_att_sigma_deg",
     "ref_fix",
     "time_ns",
+    "ref_rate_x",
+    "ref_rate_y",
+    "ref_rate_z",
+    "ref_own_1",
+    "ref_own_2",
+    "ref_own_3",
+    "ref_own_4",
+    "ref_own_5",
+    "ref_own_6",
+    "ref_own_7",
+    "ref_own_8",
 ];
 
 /// Columns that come together or not at all.
@@ -91,7 +102,12 @@ impl Group {
     /// The part of a second, where time stands in two columns.
     pub(super) const TIME_NANOS: Self = Self { first: 47, len: 1 };
 
-    pub(super) const ALL: [Self; 20] = [
+    /// Rate of the body against the Earth.
+    pub(super) const REF_RATE: Self = Self { first: 48, len: 3 };
+    /// What measurements of the program's own read; each may be there or not.
+    pub(super) const REF_OWN: Self = Self { first: 51, len: 8 };
+
+    pub(super) const ALL: [Self; 29] = [
         Self::TIME,
         Self::DTHETA,
         Self::DVEL,
@@ -112,11 +128,26 @@ impl Group {
         Self::REF_ATT_SIGMA,
         Self::REF_FIX,
         Self::TIME_NANOS,
+        Self::REF_RATE,
+        Self::own(0),
+        Self::own(1),
+        Self::own(2),
+        Self::own(3),
+        Self::own(4),
+        Self::own(5),
+        Self::own(6),
+        Self::own(7),
     ];
+
+    /// One of the columns of [`REF_OWN`](Self::REF_OWN).
+    pub(super) const fn own(index: usize) -> Self {
+        Self { first: Self::REF_OWN.first + index, len: 1 }
+    }
 
     /// Whether it belongs to the reference.
     pub(super) fn is_of_reference(self) -> bool {
         (Self::REF_VEL.first..=Self::REF_FIX.first).contains(&self.first)
+            || self.first >= Self::REF_RATE.first
     }
 
     /// Whether one reading may serve all of its columns: one thermometer for three sensors.

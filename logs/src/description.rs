@@ -344,7 +344,12 @@ fn read_site(doc: &mut Document<'_>, root: &DeTable<'_>) -> Option<Site> {
         }
         return None;
     };
-    let latitude = doc.required(section, "latitude_deg", Must::LieWithin(-90.0, 90.0), "north is positive");
+    let latitude = doc.required(
+        section,
+        "latitude_deg",
+        Must::LieWithin(-89.9, 89.9),
+        "north is positive; at a pole there is no east",
+    );
     let longitude =
         doc.required(section, "longitude_deg", Must::LieWithin(-180.0, 360.0), "east is positive");
     let height =
@@ -384,6 +389,9 @@ fn read_initial(doc: &mut Document<'_>, section: Section<'_>) -> Option<InitialA
 fn read_priors(doc: &mut Document<'_>, section: Section<'_>) -> Vec<(&'static str, f64)> {
     let mut priors = Vec::new();
     for (key, value) in section.table() {
+        if doc.is_full() {
+            break;
+        }
         let name = key.get_ref().as_ref();
         let field = section.field(name);
         let Some(effect) = sinscal::effect(name) else {

@@ -11,7 +11,7 @@ use thiserror::Error;
 /// Texts with longer lines are not shown around a fault.
 const LONGEST_QUOTED: usize = 500;
 /// So many faults found together are told, the rest is counted: a reader mends the first of them.
-const TOLD: usize = 20;
+pub(super) const TOLD: usize = 20;
 
 /// Why a log cannot be used. The message stands on its own; a terminal also shows the faulty text.
 #[derive(Debug, Error, Diagnostic)]

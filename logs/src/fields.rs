@@ -7,7 +7,7 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::fault::LogError;
+use super::fault::{LogError, TOLD};
 use crate::suggest;
 
 /// A document being read, with the faults found so far.
@@ -82,17 +82,32 @@ impl<'a> Document<'a> {
 
     /// All faults as one error, if there are any.
     pub(super) fn finish(self) -> Result<(), LogError> {
-        LogError::all(self.faults).map_or(Ok(()), Err)
+        let full = self.is_full();
+        let all = LogError::all(self.faults);
+        let all =
+            if full { all.map(|all| all.note("there may be more faults like these".into())) } else { all };
+        all.map_or(Ok(()), Err)
+    }
+
+    /// Whether as many faults were found as are told: more are not looked for.
+    pub(super) fn is_full(&self) -> bool {
+        self.faults.len() >= TOLD
     }
 
     /// Notes a fault at `span`.
     pub(super) fn refuse(&mut self, span: Range<usize>, field: &str, problem: &str, help: Option<String>) {
+        if self.is_full() {
+            return;
+        }
         let fault = LogError::text(self.path, &self.text, Some(span), Some(field), problem).help_if(help);
         self.faults.push(fault);
     }
 
     /// Notes that something is not there at all.
     pub(super) fn lack(&mut self, section: Option<Section<'_>>, field: &str, help: &str) {
+        if self.is_full() {
+            return;
+        }
         let span = section.map(|section| section.span.0..section.span.1);
         let fault = LogError::text(self.path, &self.text, span, Some(field), "is missing").help(help);
         self.faults.push(fault);
@@ -101,6 +116,9 @@ impl<'a> Document<'a> {
     /// Refuses names outside `known`.
     pub(super) fn only(&mut self, table: &DeTable<'_>, within: &str, known: &[&str]) {
         for key in table.keys() {
+            if self.is_full() {
+                break;
+            }
             let name = key.get_ref().as_ref();
             if !known.contains(&name) {
                 let field = if within.is_empty() { format!("[{name}]") } else { format!("{within}.{name}") };

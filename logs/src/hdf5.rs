@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use hdf5_reader::group::Group;
-use hdf5_reader::{Dataset, Datatype, H5Type, Hdf5File, OpenOptions};
+use hdf5_reader::{Dataset, Datatype, H5Type, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
 
 use super::arrays::{Arrays, LARGEST, MOST_VARIABLES, Named};
 use super::fault::LogError;
@@ -11,6 +11,8 @@ use super::guard::guarded;
 
 /// Deflate packs no tighter: what announces more numbers than that is damaged.
 const TIGHTEST: u64 = 1100;
+/// Numbers read at a time, beside the columns that they go to.
+const PIECE: u64 = 1 << 20;
 /// Groups are not nested deeper.
 const DEEPEST: usize = 8;
 
@@ -31,8 +33,13 @@ impl Hdf5 {
             list(&root, "", 0, length.saturating_mul(TIGHTEST), &mut found)
         })
         .map_err(|problem| {
-            LogError::file(path, format!("is not an HDF5 file, damaged or cut off: {problem}"))
-                .help("h5py, and MATLAB with `save -v7.3`, write what is read here")
+            let known = "h5py, and MATLAB with `save -v7.3`, write what is read here";
+            if is_foreign(&problem) {
+                return LogError::file(path, format!("holds what is not read here: {problem}")).help(
+                    format!("virtual datasets and the like are to be copied into plain ones; {known}"),
+                );
+            }
+            LogError::file(path, format!("is not an HDF5 file, damaged or cut off: {problem}")).help(known)
         })?;
         let (named, datasets) = found.into_iter().unzip();
         Ok((Self { datasets }, named))
@@ -60,13 +67,45 @@ impl Arrays for Hdf5 {
     }
 }
 
+/// Whether something is sound but of a kind that is not read here.
+fn is_foreign(problem: &str) -> bool {
+    let problem = problem.to_ascii_lowercase();
+    ["unsupported", "not supported", "unknown filter"].iter().any(|words| problem.contains(words))
+}
+
+/// Hands over the numbers of a dataset, piece by piece along its slowest side.
 fn numbers<T: H5Type>(
     dataset: &Dataset,
     each: &mut dyn FnMut(f64) -> bool,
     number: fn(T) -> f64,
 ) -> Result<(), String> {
-    let array = dataset.read_array::<T>().map_err(|error| error.to_string())?;
-    let _ = array.into_iter().map(number).all(each);
+    let Some((rows, inner)) = dataset.shape().split_first() else {
+        let array = dataset.read_array::<T>().map_err(|error| error.to_string())?;
+        let _ = array.into_iter().map(number).all(each);
+        return Ok(());
+    };
+    let width = inner.iter().product::<u64>().max(1);
+    let mut step = (PIECE / width).max(1);
+    // Chunks are unpacked whole: each once, unless they are large.
+    if let Some(chunk) = dataset.chunks().and_then(|chunks| chunks.first().map(|rows| u64::from(*rows))) {
+        let whole = step.next_multiple_of(chunk.max(1));
+        if whole.saturating_mul(width) <= 4 * PIECE {
+            step = whole;
+        }
+    }
+    let all = |side: &u64| SliceInfoElem::Slice { start: 0, end: *side, step: 1 };
+    let mut start = 0;
+    while start < *rows {
+        let end = rows.min(&start.saturating_add(step)).to_owned();
+        let mut selections = vec![SliceInfoElem::Slice { start, end, step: 1 }];
+        selections.extend(inner.iter().map(all));
+        let slice = SliceInfo { selections };
+        let array = dataset.read_slice::<T>(&slice).map_err(|error| error.to_string())?;
+        if !array.into_iter().map(number).all(&mut *each) {
+            break;
+        }
+        start = end;
+    }
     Ok(())
 }
 
@@ -124,6 +163,9 @@ fn describe(dataset: &Dataset, most: u64) -> Result<Vec<u64>, String> {
                 return Err(format!("{size} numbers, it says, more than there can be in the file"));
             }
             return Ok(dataset.shape().to_vec());
+        }
+        (_, Datatype::FloatingPoint { .. } | Datatype::FixedPoint { .. }) => {
+            "numbers of an unusual size, such as float16: save them as float32 or float64"
         }
         _ => "no numbers",
     };

@@ -356,3 +356,45 @@ fn held_fixes_are_used_once() -> Done {
     assert_eq!(read.iter().filter(|sample| sample.reference.position.is_some()).count(), 101);
     Ok(())
 }
+
+/// Standard deviations of each row, height and heading alone.
+#[test]
+fn rows_state_their_own_sigmas() -> Done {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("log.csv");
+    let mut table = Table::at_rest(100);
+    table.drop("ref_vel*");
+    table.drop("ref_quat*");
+    table.columns.push(("sE".into(), vec![0.5; 100]));
+    table.columns.push(("sN".into(), (1..=100).map(|row| if row == 7 { f64::NAN } else { 0.25 }).collect()));
+    table.columns.push(("sU".into(), vec![2.0; 100]));
+    table.columns.push(("course".into(), vec![90.0; 100]));
+    write(folder.path(), "log.csv", &table.csv(), DESCRIPTION)?;
+    let map = reading("ref_pos_sigma=s:m,ref_heading=course:deg", "");
+    let read = samples(&path, &map)?;
+    assert_eq!(read[0].reference.sigma.position, Vector3::new(0.5, 0.25, 2.0));
+    assert!(read[6].reference.sigma.position.y.is_nan() && read[6].reference.sigma.position.x == 0.5);
+    assert!(read.iter().all(|s| s.reference.heading == Some(90.0 * DEGREE) && s.reference.height.is_none()));
+    // north and east go with their axes
+    let turned = samples(
+        &path,
+        &reading("ref_pos_sigma_e=sN,ref_pos_sigma_n=sE,ref_pos_sigma_u=sU", "reference=ned"),
+    )?;
+    assert_eq!(turned[0].reference.sigma.position, Vector3::new(0.5, 0.25, 2.0));
+    table.map("sU", |row, value| if row == 9 { 0.0 } else { value });
+    write(folder.path(), "log.csv", &table.csv(), DESCRIPTION)?;
+    let told = refusal(&path, &map);
+    assert!(
+        told.contains("row 9, column `ref_pos_sigma_u`: is 0, one standard deviation, above 0"),
+        "{told}"
+    );
+    // a height alone is one over the ellipsoid
+    table.drop("ref_pos*");
+    table.drop("s?");
+    table.columns.retain(|(name, _)| !name.starts_with('s'));
+    table.columns.push(("ref_height_m".into(), vec![21.5; 100]));
+    write(folder.path(), "log.csv", &table.csv(), DESCRIPTION)?;
+    let read = samples(&path, &reading("ref_heading=course:deg", ""))?;
+    assert!(read.iter().all(|s| s.reference.height == Some(1.5) && s.reference.velocity.is_none()));
+    Ok(())
+}

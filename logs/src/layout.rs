@@ -58,6 +58,8 @@ pub(super) struct Asked<'a> {
     pub(super) by_rate: bool,
     /// Names of the columns of a text without names.
     pub(super) columns: Option<&'a [String]>,
+    /// Names of what measurements of the program's own read.
+    pub(super) own: &'a [String],
 }
 
 /// Where the columns of the format stand in one file.

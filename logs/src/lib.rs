@@ -51,6 +51,7 @@ mod parquet;
 mod reading;
 mod rests;
 mod rows;
+mod stamp;
 mod stamps;
 mod still;
 pub mod suggest;
@@ -91,6 +92,8 @@ const FIXED_POINT_RATE: f64 = 1.0;
 /// system's calibration, a still unit's creep) are not independent, and counting them as if they were makes sigmas
 /// that are too small.
 const MEASURED_RATE: f64 = 10.0;
+/// Rows that come more slowly than this deserve a word, Hz.
+const SLOW: f64 = 20.0;
 /// So many faulty rows are described, the rest is counted.
 const DESCRIBED_ROWS: usize = 8;
 
@@ -165,7 +168,7 @@ impl Log {
             warnings.extend(table.notes.iter().map(|note| format!("{path}: {note}")));
             warnings.extend(table.unused().map(|unused| format!("{path}: not used: {unused}")));
         }
-        let fixed_point = ![Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].into_iter().any(has);
+        let fixed_point = rows::is_fixed_point(&has);
         let bridge = reading.bridge.unwrap_or(0.0);
         Ok(Self { description, table, reference, fixed_point, bridge, unknown, coarse: None, warnings })
     }
@@ -198,6 +201,17 @@ impl Log {
         self.table.path()
     }
 
+    /// The path of its description.
+    pub fn description_path(&self) -> PathBuf {
+        self.table().with_extension("toml")
+    }
+
+    /// Every file that is read for it.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let tables = [Some(&self.table), self.reference.as_ref()].into_iter().flatten();
+        tables.map(|table| table.path().to_owned()).chain([self.description_path()]).collect()
+    }
+
     /// The reference is used at most this often, Hz.
     pub fn update_rate(&self) -> f64 {
         if self.fixed_point { FIXED_POINT_RATE } else { MEASURED_RATE }
@@ -218,7 +232,8 @@ impl Log {
         Ahead::new(self.samples()?)
     }
 
-    /// Starts reading from the first row.
+    /// Starts reading from the first row. A file that is another one than that which was opened is refused, now or at its end: what
+    /// one pass found must not be mixed with what the next one reads.
     pub fn samples(&self) -> Result<Samples, LogError> {
         let has = |group| {
             self.table.has(group) || self.reference.as_ref().is_some_and(|reference| reference.has(group))
@@ -517,6 +532,13 @@ fn warnings(description: &Description, has: &dyn Fn(Group) -> bool, path: &Path)
             let pulses = group.names().join(", ");
             warnings.push(format!("{path}: imu.{field} is not used: the table has no {pulses}"));
         }
+    }
+    if description.rate < SLOW {
+        warnings.push(format!(
+            "{path}: {} Hz is slow: what a unit does between two rows, turns about changing axes above all, is lost to the filter; \
+             {SLOW} Hz and more is usual",
+            description.rate
+        ));
     }
     if !description.noise_given {
         warnings

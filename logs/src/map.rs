@@ -111,7 +111,7 @@ impl Unit {
 }
 
 /// Short names of groups, and those of groups whose columns are named otherwise.
-const SHORT: [(&str, Group); 26] = [
+const SHORT: [(&str, Group); 27] = [
     ("time", Group::TIME),
     ("gyro", Group::DTHETA),
     ("dtheta", Group::DTHETA),
@@ -138,6 +138,7 @@ const SHORT: [(&str, Group); 26] = [
     ("ref_pos_sigma", Group::REF_POS_SIGMA),
     ("ref_att_sigma", Group::REF_ATT_SIGMA),
     ("ref_fix", Group::REF_FIX),
+    ("ref_rate", Group::REF_RATE),
 ];
 
 /// What may be written to the left of `=`.

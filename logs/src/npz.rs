@@ -15,6 +15,8 @@ use super::guard::guarded;
 const ARRAY: &str = "array";
 /// No header of an array is longer, bytes: that of a table of many fields stays far below.
 const LONGEST_HEADER: usize = 1 << 16;
+/// Brackets in a header are not nested deeper.
+const DEEPEST: usize = 6;
 
 /// A NumPy file, its arrays listed.
 pub(super) enum Numpy {
@@ -80,8 +82,34 @@ fn header(bytes: &mut impl Read) -> Result<NpyHeader, String> {
     if announced > LONGEST_HEADER {
         return Err("an array with a damaged header".into());
     }
-    NpyHeader::from_reader(start.as_slice().chain(bytes))
+    // version 1 has two bytes of length
+    let begun = if start[6] == 1 { 10 } else { 12 };
+    let mut whole = start.to_vec();
+    bytes
+        .take((begun + announced).saturating_sub(start.len()) as u64)
+        .read_to_end(&mut whole)
+        .map_err(|error| error.to_string())?;
+    // The parser of headers goes back and forth: its time doubles with each bracket in a bracket. Those of plain numbers have one
+    // in one, `{'shape': (3, 4)}`, those of records two more.
+    if deepest(&whole) > DEEPEST {
+        return Err("an array with a damaged header".into());
+    }
+    NpyHeader::from_reader(whole.as_slice().chain(bytes))
         .map_err(|error| format!("a damaged array ({error})"))
+}
+
+/// How deep brackets stand in brackets.
+fn deepest(header: &[u8]) -> usize {
+    let (mut depth, mut deepest) = (0_usize, 0);
+    for byte in header {
+        match byte {
+            b'(' | b'[' | b'{' => depth += 1,
+            b')' | b']' | b'}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        deepest = deepest.max(depth);
+    }
+    deepest
 }
 
 /// The dimensions of an array, or what it holds instead of numbers.
@@ -108,15 +136,18 @@ fn describe(mut bytes: impl Read) -> Result<Vec<u64>, String> {
     Err(holds.into())
 }
 
-/// Hands over the numbers of an array.
+/// Hands over the numbers of an array, and reads it to its end.
 fn numbers(mut bytes: impl Read, each: &mut dyn FnMut(f64) -> bool) -> Result<(), String> {
     let header = header(&mut bytes)?;
     let DType::Plain(kind) = header.dtype() else { return Err("it holds no plain numbers".into()) };
-    let file = NpyFile::with_header(header, BufReader::with_capacity(1 << 16, bytes));
+    let mut rest = BufReader::with_capacity(1 << 16, bytes);
+    let file = NpyFile::with_header(header, &mut rest);
+    let mut whole = true;
     macro_rules! numbers {
         ($kind:ty) => {
             for value in file.data::<$kind>().map_err(|error| error.to_string())? {
                 if !each(value.map_err(|error| error.to_string())? as f64) {
+                    whole = false;
                     break;
                 }
             }
@@ -135,5 +166,10 @@ fn numbers(mut bytes: impl Read, each: &mut dyn FnMut(f64) -> bool) -> Result<()
         (TypeChar::Uint, Some(1)) => numbers!(u8),
         _ => return Err("half-precision or other numbers that are not read".into()),
     }
-    Ok(())
+    // an archive tells at the end of an array whether its checksum is right
+    match if whole { rest.read(&mut [0]) } else { Ok(0) } {
+        Ok(0) => Ok(()),
+        Ok(_) => Err("more follows the array: one array to a file is read".into()),
+        Err(error) => Err(error.to_string()),
+    }
 }

@@ -18,6 +18,8 @@ pub struct Reading {
     pub columns: Option<Vec<String>>,
     /// Gaps of up to so many seconds are filled with interpolated rows.
     pub bridge: Option<f64>,
+    /// Columns that measurements of the program's own read, in the order of [`Reference::own`](sinscal::Reference::own), SI.
+    pub own: Vec<String>,
     /// What its rates are.
     pub values: Option<Values>,
 }
@@ -31,6 +33,7 @@ impl Reading {
             stamps: self.stamps.or(other.stamps),
             columns: self.columns.clone().or_else(|| other.columns.clone()),
             bridge: self.bridge.or(other.bridge),
+            own: if self.own.is_empty() { other.own.clone() } else { self.own.clone() },
             values: self.values.or(other.values),
         }
     }

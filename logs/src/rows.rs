@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use sinscal::{Reference, Sample};
 
-use super::columns::{Batch, Group, NEEDED};
+use super::columns::{Batch, Group, NAMES, NEEDED};
 use super::description::{Description, TEMPERATURES, UNIT_TOLERANCE};
 use super::fault::LogError;
 use super::stamps::Plan;
@@ -40,6 +40,9 @@ const TIMES: [(f64, &str); 6] = [
 /// m/s and m.
 const LARGEST_REFERENCE: [f64; 2] = [1e3, 1e6];
 
+/// Standard deviations of one reading that a filter can compute with: m/s, m, rad.
+const SIGMA: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
+
 /// What is written to rows where a whole triple is expected.
 const TRIPLE: &str = "give all components in a row, or none";
 
@@ -52,6 +55,10 @@ pub(super) struct Checker {
     gyro_scale: Option<Vector3<f64>>,
     accel_scale: Option<Vector3<f64>>,
     reference: Measured,
+    /// m.
+    site_height: f64,
+    /// Whether heights belong to latitudes and longitudes.
+    placed: bool,
     plan: Plan,
     /// Row number of the last row, 0 before the first.
     row: u64,
@@ -74,6 +81,19 @@ pub(super) enum Row {
     AfterGap(Sample, f64, LogError),
 }
 
+/// Whether nothing is said about the observed point: then it does not move.
+pub(super) fn is_fixed_point(has: &dyn Fn(Group) -> bool) -> bool {
+    let said = [
+        Group::REF_VEL,
+        Group::REF_POS,
+        Group::REF_QUAT,
+        Group::REF_HEIGHT,
+        Group::REF_HEADING,
+        Group::REF_RATE,
+    ];
+    !said.into_iter().chain(Group::REF_OWN.slots().map(|first| Group { first, len: 1 })).any(has)
+}
+
 impl Checker {
     /// `has` says which columns there are.
     pub(super) fn new(
@@ -83,7 +103,7 @@ impl Checker {
         has: &dyn Fn(Group) -> bool,
     ) -> Self {
         let reference = match [Group::REF_VEL, Group::REF_POS, Group::REF_QUAT].map(has) {
-            [false, false, false] => Measured::FixedPoint,
+            [false, false, false] if is_fixed_point(has) => Measured::FixedPoint,
             [velocity, position, attitude] => Measured::Columns { velocity, position, attitude },
         };
         let largest_rate =
@@ -104,6 +124,8 @@ impl Checker {
             gyro_scale,
             accel_scale,
             reference,
+            site_height: description.site.height,
+            placed: has(Group::REF_LATLON),
             plan,
             row: 0,
             last_time: None,
@@ -154,6 +176,24 @@ impl Checker {
         let mean = sum / finite as f64;
         if finite >= ROWS_FOR_MEAN && !(MEAN_FORCE.0..=MEAN_FORCE.1).contains(&mean) {
             let unit = force_unit(mean / STANDARD_GRAVITY, 1.0 / self.interval);
+            let group = if self.accel_scale.is_some() { Group::ACCEL_PULSE } else { Group::DVEL };
+            let dead = |slot: &usize| (0..batch.rows).all(|row| batch.cell(*slot, row) == 0.0);
+            let dead: Vec<String> = group
+                .slots()
+                .filter(dead)
+                .filter_map(|slot| Some(format!("`{}`", NAMES.get(slot)?)))
+                .collect();
+            if mean < MEAN_FORCE.0 && !dead.is_empty() && unit.is_none() {
+                let problem = format!(
+                    "rows {} to {}: the specific force is {mean:.3} m/s^2 on average, about 9.8 was expected, and {} read \
+                     nothing but 0",
+                    rows.0,
+                    rows.1,
+                    dead.join(", ")
+                );
+                let help = "is the sensor dead, or its column empty?";
+                return Err(LogError::column(&self.path, &group.names().join("`, `"), problem).help(help));
+            }
             let problem = format!(
                 "rows {} to {}: the specific force is {mean:.3} m/s^2 on average, about 9.8 was expected{}",
                 rows.0,
@@ -314,7 +354,7 @@ impl Checker {
             let rest = Some(Vector3::zeros());
             return Ok(Reference { velocity: rest, position: rest, ..Reference::default() });
         };
-        let mut reference = Reference::default();
+        let mut reference = self.single(batch, row)?;
         if velocity {
             let values = triple(batch, row, Group::REF_VEL);
             reference.velocity =
@@ -328,6 +368,55 @@ impl Checker {
         if attitude {
             reference.attitude = self.quaternion(batch, row)?;
         }
+        Ok(reference)
+    }
+
+    /// Height and heading, and the standard deviations that the row states itself.
+    fn single(&self, batch: &Batch, row: usize) -> Result<Reference, LogError> {
+        let mut reference = Reference::default();
+        let number = |slot: usize| Some(batch.cell(slot, row)).filter(|value| !value.is_nan());
+        // with latitude and longitude it is part of a position
+        if let Some(height) = number(Group::REF_HEIGHT.first).filter(|_| !self.placed) {
+            let over = height - self.site_height;
+            if !(over.abs() <= LARGEST_REFERENCE[1]) {
+                return Err(self.cell_fault(
+                    Group::REF_HEIGHT.first,
+                    height,
+                    "a height over the ellipsoid in m",
+                ));
+            }
+            reference.height = Some(over);
+        }
+        if let Some(heading) = number(Group::REF_HEADING.first) {
+            if !heading.is_finite() {
+                return Err(self.cell_fault(Group::REF_HEADING.first, heading, "a heading in deg"));
+            }
+            reference.heading = Some(heading);
+        }
+        let rate = triple(batch, row, Group::REF_RATE);
+        reference.rate = self.whole(Group::REF_RATE, rate, LARGEST_RATE, "a rate in rad/s")?;
+        for (own, slot) in reference.own.iter_mut().zip(Group::REF_OWN.slots()) {
+            *own = batch.cell(slot, row);
+            if own.is_infinite() {
+                return Err(self.cell_fault(slot, *own, "a reading"));
+            }
+        }
+        let sigma = |slot: usize| match number(slot) {
+            Some(value) if !SIGMA.contains(&value) => {
+                let fault = self.cell_fault(slot, value, "one standard deviation, above 0,");
+                Err(fault.help("leave the field empty where none is known"))
+            }
+            value => Ok(value.unwrap_or(f64::NAN)),
+        };
+        let three = |group: Group| -> Result<Vector3<f64>, LogError> {
+            Ok(Vector3::new(sigma(group.first)?, sigma(group.first + 1)?, sigma(group.first + 2)?))
+        };
+        reference.sigma.velocity = three(Group::REF_VEL_SIGMA)?;
+        reference.sigma.position = three(Group::REF_POS_SIGMA)?;
+        reference.sigma.height = reference.sigma.position.z;
+        let attitude = sigma(Group::REF_ATT_SIGMA.first)?;
+        reference.sigma.attitude = Vector3::repeat(attitude);
+        reference.sigma.heading = attitude;
         Ok(reference)
     }
 

@@ -23,17 +23,28 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 pub fn hint<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> String {
     match nearest(name, candidates.clone()) {
         Some(candidate) => format!("did you mean `{candidate}`?"),
-        None => format!("valid names: {}", candidates.into_iter().collect::<Vec<_>>().join(", ")),
+        None => format!("valid names: {}", each(candidates).join(", ")),
     }
 }
 
 /// All the names, and the one that was meant if one is near: what follows `accepted:`.
 pub fn accepted<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> String {
-    let all = candidates.clone().into_iter().collect::<Vec<_>>().join(", ");
+    let all = each(candidates.clone()).join(", ");
     match nearest(name, candidates) {
         Some(near) => format!("{all} (did you mean `{near}`?)"),
         None => all,
     }
+}
+
+/// Every name once.
+fn each<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut each = Vec::new();
+    for name in names {
+        if !each.contains(&name) {
+            each.push(name);
+        }
+    }
+    each
 }
 
 /// Lower case, one spelling of the separators, at most as long as any name of the program could be.
@@ -81,5 +92,9 @@ mod tests {
         assert_eq!(nearest("TEMP_Y", ["temp_x", "temp_y"]), Some("temp_y"));
         assert_eq!(nearest("zzz", names), None);
         assert_eq!(hint("zzz", ["a_long_name"]), "valid names: a_long_name");
+        assert_eq!(
+            hint("zzz", ["gyro-scale", "gyro-scale", "gyro-bias"]),
+            "valid names: gyro-scale, gyro-bias"
+        );
     }
 }

@@ -18,6 +18,7 @@ use super::increments::{Increments, Values};
 use super::layout::{Asked, Layout, Part};
 use super::parquet::ParquetSource;
 use super::reading::Reading;
+use super::stamp::Stamp;
 use super::stamps::{self, Line, Plan, Residuals, Shown, Stamps};
 use super::unreadable;
 
@@ -46,6 +47,8 @@ pub(super) struct Table {
     part: Part,
     known: Known,
     layout: Layout,
+    /// As it was when its columns were found.
+    stamp: Stamp,
     /// Rows or bytes: what reading it counts.
     pub(super) size: u64,
     pub(super) plan: Plan,
@@ -78,6 +81,7 @@ impl Table {
             let help = "leave --columns out: it names the columns of a text that has no names";
             return Err(LogError::file(path, "names its columns itself").help(help));
         }
+        let stamp = Stamp::of(path)?;
         let (holds, layout, size) = match kind {
             Kind::Parquet => {
                 let (_, layout, rows) = ParquetSource::open(path, asked)?;
@@ -102,6 +106,7 @@ impl Table {
             known,
             notes: layout.notes.clone(),
             layout,
+            stamp,
             size,
             plan: Plan::AS_THEY_STAND,
             held: Period::NONE,
@@ -253,6 +258,9 @@ impl Table {
     }
 
     fn source(&self) -> Result<Box<dyn Source + Send>, LogError> {
+        if let Some((stamp, path)) = self.watched() {
+            stamp.check(&path)?;
+        }
         let asked = asked(&self.reading, self.part);
         let mut source: Box<dyn Source + Send> = match &self.holds {
             Contents::Parquet => Box::new(ParquetSource::open(&self.path, asked)?.0),
@@ -265,6 +273,11 @@ impl Table {
             source.count_from((self.plan.origin as f64 / scale).round() as i64);
         }
         Ok(source)
+    }
+
+    /// What a file must still be that is read anew for each pass.
+    fn watched(&self) -> Option<(Stamp, PathBuf)> {
+        (!matches!(self.holds, Contents::Memory(_))).then(|| (self.stamp, self.path.clone()))
     }
 
     /// Latitude and longitude as metres, angles as a quaternion, all in our axes.
@@ -283,6 +296,7 @@ impl Table {
             axes: self.reading.axes.clone(),
             known: self.known.clone(),
             plan: self.plan,
+            watched: self.watched(),
             read: 0,
             batch: 0,
         })
@@ -296,6 +310,7 @@ fn asked(reading: &Reading, part: Part) -> Asked<'_> {
         part,
         by_rate: reading.stamps == Some(Stamps::Rate) && part != Part::Reference,
         columns: reading.columns.as_deref().filter(|_| part != Part::Reference),
+        own: &reading.own,
     }
 }
 
@@ -314,6 +329,7 @@ pub(super) struct Rows {
     axes: Axes,
     known: Known,
     plan: Plan,
+    watched: Option<(Stamp, PathBuf)>,
     /// Rows so far, and those of the batch before.
     read: u64,
     batch: u64,
@@ -323,6 +339,9 @@ impl Rows {
     /// Replaces the rows of `batch` by the next ones; no rows at the end of the file.
     pub(super) fn read(&mut self, batch: &mut Batch) -> Result<(), LogError> {
         self.source.read(batch).map_err(|fault| self.layout.explain(fault))?;
+        if let Some((stamp, path)) = self.watched.as_ref().filter(|_| batch.rows == 0) {
+            stamp.check(path)?;
+        }
         self.batch = self.read;
         Increments::times(&self.layout, batch);
         self.plan.apply(batch, self.read);

@@ -186,7 +186,7 @@ fn figures_are_converted_and_defaults_are_announced() -> Done {
     assert_eq!(description.priors.len(), 1);
     assert!((description.priors[0].1 - 300.0 * 9.80665e-6).abs() < 1e-15);
 
-    let least = "[imu]\nrate_hz = 50\n[site]\nlatitude_deg = -90\nlongitude_deg = 180\nheight_m = 0\n";
+    let least = "[imu]\nrate_hz = 50\n[site]\nlatitude_deg = -89\nlongitude_deg = 180\nheight_m = 0\n";
     write(folder.path(), &table, least)?;
     let log = Log::open(&folder.path().join("c"))?;
     assert!(log.description().initial.is_none());
@@ -210,7 +210,7 @@ fn all_faults_of_a_description_are_found_at_once() -> Done {
     };
     let text = messages.join("\n");
     for part in [
-        "line 5, field `site.latitude_deg`: is 320.6, a number from -90 to 90 was expected",
+        "line 5, field `site.latitude_deg`: is 320.6, a number from -89.9 to 89.9 was expected",
         "line 13, field `reference.velocity_sigma_m_s`: is -1, a number from 1e-9 to 1000 was expected",
         "line 18, field `noise.accel_vrw_mg_sqrt_hz`: is not a name of the log format",
         "did you mean `accel_vrw_ug_sqrt_hz`?",

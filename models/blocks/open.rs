@@ -2,7 +2,7 @@
 
 use core::fmt::{Debug, Display, Formatter};
 
-use calib_core::{Block, BlockView, Dynamics, Real, StateInfo};
+use calib_core::{Block, BlockView, Dynamics, Real, Relaxation, StateInfo};
 use nalgebra::convert_unchecked;
 
 use crate::{AnyBlock, Point, Signals, Strapdown};
@@ -29,6 +29,17 @@ const PLACES: [&str; Open::CAPACITY] = [
     "19", "20", "21", "22", "23",
 ];
 
+/// The places as states that relax, with nothing to forget.
+const CONSTANT: [(usize, Relaxation<f64>); Open::CAPACITY] = {
+    let mut all = [(0, Relaxation { rate: 0.0, density: 0.0 }); Open::CAPACITY];
+    let mut at = 0;
+    while at < all.len() {
+        all[at].0 = at;
+        at += 1;
+    }
+    all
+};
+
 const fn place(at: usize) -> StateInfo {
     StateInfo {
         block: Open::NAME,
@@ -47,6 +58,8 @@ impl Block for Open {
     /// States that are taken carry the names of their own blocks.
     const NAME: &'static str = "open";
     const DIM: usize = Self::CAPACITY;
+    /// Any place may be taken by a state that forgets; until one does, all are constant.
+    const RELAXATIONS: &'static [(usize, Relaxation<f64>)] = &CONSTANT;
 
     fn states(visit: &mut dyn FnMut(StateInfo)) {
         for at in 0..Self::CAPACITY {
@@ -96,16 +109,13 @@ impl OpenBlocks {
     /// These blocks, in this order.
     ///
     /// # Errors
-    /// When they have more states than [`Open`] has room for, when one describes another number of states than it has or puts an
-    /// entry outside of them, and when one relaxes.
+    /// When they have more states than [`Open`] has room for, and when one describes another number of states than it has or puts an
+    /// entry outside of them.
     pub fn new(blocks: &'static [&'static dyn AnyBlock]) -> Result<Self, OpenError> {
         let mut states = 0;
         for block in blocks {
             states += block.dim();
             let name = name(*block);
-            if relaxes(*block) {
-                return Err(OpenError { name, fault: Fault::Relaxes });
-            }
             if !sound(*block) {
                 return Err(OpenError { name, fault: Fault::Unsound });
             }
@@ -164,6 +174,13 @@ impl OpenBlocks {
         }
     }
 
+    /// The states that forget, by their place in [`Open`].
+    pub(crate) fn relaxations(self, mut visit: impl FnMut(usize, Relaxation<f64>)) {
+        self.each(|offset, block| {
+            block.relaxation(&mut |state, relaxation| visit(offset + state, relaxation));
+        });
+    }
+
     #[inline]
     fn each(self, mut visit: impl FnMut(usize, &'static dyn AnyBlock)) {
         let mut offset = 0;
@@ -184,12 +201,6 @@ fn sound(block: &dyn AnyBlock) -> bool {
         sound &= channel < Strapdown::CHANNELS && state < dim
     });
     sound && described == dim
-}
-
-fn relaxes(block: &dyn AnyBlock) -> bool {
-    let mut relaxes = false;
-    block.relaxation(&mut |_, _| relaxes = true);
-    relaxes
 }
 
 /// The first name that a block's states have.
@@ -226,7 +237,6 @@ pub struct OpenError {
 enum Fault {
     Full,
     Unsound,
-    Relaxes,
 }
 
 impl Display for OpenError {
@@ -245,12 +255,6 @@ impl Display for OpenError {
                 "`{name}` describes another number of states than its `DIM`, or puts an entry outside of its states, \
                  of the 6 inputs or of the 9 channels"
             ),
-            Fault::Relaxes => {
-                write!(
-                    f,
-                    "`{name}` relaxes: a state that forgets must be declared, it cannot join at run time"
-                )
-            }
         }
     }
 }

@@ -17,8 +17,8 @@ use crate::measurements::{self, Measurement, Readings};
 use crate::outcome::{Diverged, Statistics, Update};
 use crate::strapdown::{Before, Increments, NavigationState};
 use crate::{
-    Event, Observer, OpenBlocks, OuterLeverArm, Point, Sample, Setup, SetupError, Signals, Strapdown, earth,
-    probe,
+    Event, Observer, Open, OpenBlocks, OuterLeverArm, Point, Sample, Setup, SetupError, Signals, Strapdown,
+    earth, probe,
 };
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
@@ -127,6 +127,9 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         let blocks = setup.open;
         let mut prior = F::Shape::vector(0.0);
         let mut relaxing = relaxing::<F, f64>();
+        if let Some(first) = first_state::<F, Open>() {
+            blocks.relaxations(|place, relaxation| relaxing[first + place] = relaxation);
+        }
         let mut i = 0;
         blocks.states_of::<F>(&mut |info| {
             prior[i] = setup.prior(info.block).unwrap_or(info.prior_sigma);

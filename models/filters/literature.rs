@@ -1,7 +1,6 @@
 //! Filters of the literature as declarations: what each estimates, in the states of this library.
 //!
-//! Each is a few lines, and no list of the program holds them: name them in your own
-//! (`Program::standard().filter::<PsinsCalibration>()`), or take them as they are.
+//! Each is a few lines: what declaring means.
 
 use calib_core::{Block, BlockView, Real, Relaxation, StateInfo};
 use state_macro::StateBlocks;

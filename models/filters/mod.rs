@@ -8,6 +8,7 @@ pub mod literature;
 use calib_core::{Block, Filter, MeasurementInfo, Sizes, StateInfo, declares};
 use state_macro::StateBlocks;
 
+use self::literature::{GnssIns15, PsinsCalibration, Systematic30, Systematic33};
 use crate::Strapdown;
 use crate::blocks::groups::*;
 use crate::blocks::*;
@@ -99,12 +100,24 @@ pub trait FilterVisitor {
 }
 
 macro_rules! declared {
-    ($($filter:ty: $passes:literal, $about:literal);+ $(;)?) => {
-        /// Every declared filter, in the order of their size.
-        pub const FILTERS: &[FilterInfo] = &[$(FilterInfo::of::<$filter>($passes, $about)),+];
+    (
+        of the paper { $($paper:ty: $paper_passes:literal, $paper_about:literal;)+ }
+        and { $($filter:ty: $passes:literal, $about:literal;)+ }
+    ) => {
+        /// Every filter that is named: those of the paper, for MEMS units, and of the literature.
+        pub const FILTERS: &[FilterInfo] = &[
+            $(FilterInfo::of::<$paper>($paper_passes, $paper_about),)+
+            $(FilterInfo::of::<$filter>($passes, $about),)+
+        ];
+
+        /// Names of the filters of the paper, in the order of its table 3.
+        pub const PAPER: &[&str] = &[$(<$paper as Block>::NAME),+];
 
         /// Calls `visitor` with the filter called `name`; `None` when there is none.
         pub fn visit_filter<V: FilterVisitor>(name: &str, visitor: V) -> Option<V::Output> {
+            $(if name == <$paper as Block>::NAME {
+                return Some(visitor.visit::<$paper>());
+            })+
             $(if name == <$filter as Block>::NAME {
                 return Some(visitor.visit::<$filter>());
             })+
@@ -114,13 +127,20 @@ macro_rules! declared {
 }
 
 declared! {
-    Sins36P: 2, "gyro and accelerometer errors, outer lever arm";
-    Sins39P: 2, "36d-p and inner lever arm";
-    Sins40P: 2, "39d-p and accelerometer delay";
-    Sins43P: 2, "40d-p and accelerometer temperature scale factor";
-    Sins43B: 2, "43d-p with the dither coupling of the inner lever arm";
-    Mems30: 3, "a MEMS unit carried by hand, velocity known when still";
-    Tracked35: 3, "a MEMS unit tracked by position and attitude";
+    of the paper {
+        Sins36P: 2, "gyro and accelerometer errors, outer lever arm";
+        Sins39P: 2, "36d-p and inner lever arm";
+        Sins40P: 2, "39d-p and accelerometer delay";
+        Sins43P: 2, "40d-p and accelerometer temperature scale factor";
+        Sins43B: 2, "43d-p with the dither coupling of the inner lever arm";
+    } and {
+        Mems30: 3, "a MEMS unit carried by hand, velocity known when still";
+        Tracked35: 3, "a MEMS unit tracked by position and attitude";
+        Systematic30: 2, "of the literature: the 21 errors of scale, installation and bias from velocity alone";
+        Systematic33: 2, "of the literature: systematic-30d and quadratic terms";
+        PsinsCalibration: 2, "of the literature: what PSINS calibrates, all nine lever arms of the accelerometers";
+        GnssIns15: 1, "of the literature: GNSS/INS with Gauss-Markov biases";
+    }
 }
 
 /// A declared filter as people choose it.

@@ -93,7 +93,7 @@ impl<F: Filter<Dynamics = Strapdown>> Alignment<F> {
 pub struct Drift {
     /// Time since the solution that navigation began with, s.
     pub duration: f64,
-    /// Largest horizontal error, m.
+    /// Largest horizontal error, m; NaN once one was no number.
     pub largest: f64,
     /// Horizontal error at the last comparison, m.
     pub last: f64,
@@ -180,7 +180,10 @@ impl<F: Filter<Dynamics = Strapdown>> FreeInertial<F> {
         let error = point - reference;
         let horizontal = ComplexField::sqrt(error.x * error.x + error.y * error.y);
         self.drift.duration = sample.time - self.begun;
-        self.drift.largest = self.drift.largest.max(horizontal);
+        // an error that is no number stays the largest
+        if !self.drift.largest.is_nan() && !(horizontal <= self.drift.largest) {
+            self.drift.largest = horizontal;
+        }
         self.drift.last = horizontal;
         self.drift.comparisons += 1;
         Some(error)

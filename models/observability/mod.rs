@@ -68,6 +68,15 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
         Self { prior, relaxing, noise, open: setup.open, triangle: Triangle::default() }
     }
 
+    /// The same where measurement `measured`, by its place in [`Filter::MEASURES`], is never read.
+    #[must_use]
+    pub fn unread(mut self, measured: usize) -> Self {
+        for row in F::rows(measured) {
+            self.noise[row] = f64::INFINITY;
+        }
+        self
+    }
+
     /// Appends the rows of a segment.
     ///
     /// The powers go to the number C of leading states: every higher one is a combination of these (Cayley and Hamilton; the
@@ -82,7 +91,9 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
         let relaxing = self.relaxing.clone();
         let mut rows =
             ObservabilityRows::<F, f64>::with_relaxing(&point, &signals, relaxing, segment.duration);
-        let powers = if relaxes::<F>() { F::Shape::STATES } else { F::Shape::CORE };
+        let forgets = |state: &Relaxation<f64>| state.rate != 0.0;
+        let relaxes = relaxes::<F>() && self.relaxing.as_slice().iter().any(forgets);
+        let powers = if relaxes { F::Shape::STATES } else { F::Shape::CORE };
         let mut factorial = 1.0;
         for k in 0..=powers {
             if k > 0 {

@@ -36,8 +36,13 @@ pub struct Description {
     pub reference_temperature: f64,
     /// First guess of the outer lever arm, m.
     pub outer_lever: Vector3<f64>,
-    /// A line about the log.
+    /// A line about the log; begins with [`MARK`](Self::MARK).
     pub title: String,
+}
+
+impl Description {
+    /// How the titles of simulated logs begin, and nobody else's.
+    pub const MARK: &str = "Simulated: ";
 }
 
 impl Description {

@@ -108,7 +108,7 @@ impl Simulation {
             },
             reference_temperature: scenario.temperature.reference,
             outer_lever: scenario.initial.outer_lever,
-            title: format!("Simulated: unit {}, run {}", seed.unit, seed.run),
+            title: format!("{}unit {}, run {}", Description::MARK, seed.unit, seed.run),
             dither: scenario.dither.mode != DitherMode::Off,
             update_rate: if plan.readings { plan.rate } else { FIXED_POINT_RATE },
         };

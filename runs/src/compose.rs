@@ -22,6 +22,7 @@ pub struct Composition {
     about: String,
     passes: u32,
     measures: Vec<&'static str>,
+    own_columns: Vec<&'static str>,
     with: Vec<&'static str>,
     without: Vec<&'static str>,
     states: Vec<StateInfo>,
@@ -165,6 +166,7 @@ impl Composition {
             about: base.about(),
             passes: base.passes(),
             measures: base.measures(),
+            own_columns: base.own_columns(),
             with: base.with().into_iter().chain(effects.iter().map(|effect| effect.name())).collect(),
             without: Vec::new(),
             states,
@@ -221,6 +223,10 @@ impl AnyFilter for Composition {
 
     fn measures(&self) -> Vec<&'static str> {
         self.measures.clone()
+    }
+
+    fn own_columns(&self) -> Vec<&'static str> {
+        self.own_columns.clone()
     }
 
     fn states(&self) -> Vec<StateInfo> {

@@ -40,6 +40,12 @@ pub enum Error {
     /// There is nothing to compare navigation with.
     #[error("no row has a reference position to compare with")]
     NoPosition,
+    /// Navigation ended in what is no number.
+    #[error("navigation with the calibration of {filter} leads nowhere: its position is no number any more")]
+    Lost {
+        /// Name of the filter.
+        filter: String,
+    },
     /// The memory of the smoother failed.
     #[error("the temporary file of the smoother: {0}")]
     Tape(#[from] std::io::Error),

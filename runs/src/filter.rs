@@ -32,6 +32,10 @@ pub trait AnyFilter: Send + Sync {
     /// Names of the measurements, in order.
     fn measures(&self) -> Vec<&'static str>;
 
+    /// Columns of a log that its measurements read and a reference has no field for, in the order of
+    /// [`Reference::own`](sinscal::Reference::own).
+    fn own_columns(&self) -> Vec<&'static str>;
+
     /// The states in order.
     fn states(&self) -> Vec<StateInfo>;
 
@@ -160,6 +164,10 @@ impl<F: Filter<Dynamics = Strapdown, Shape: Sizes>> AnyFilter for Declared<F> {
 
     fn measures(&self) -> Vec<&'static str> {
         self.info.measures().collect()
+    }
+
+    fn own_columns(&self) -> Vec<&'static str> {
+        sinscal::own_columns::<F>().collect()
     }
 
     fn states(&self) -> Vec<StateInfo> {

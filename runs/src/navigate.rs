@@ -27,6 +27,8 @@ pub struct Calibrated {
     pub filter: Arc<dyn AnyFilter>,
     /// What that found.
     pub values: Values,
+    /// Temperature at which its temperature effects vanish, degC; that of the log navigated where nothing is said.
+    pub reference_temperature: Option<f64>,
 }
 
 /// What came of navigating with one calibration.
@@ -66,7 +68,9 @@ impl Calibrated {
             };
             self.values.iter().find(same).and_then(|(_, _, value)| *value)
         };
-        (self.filter.title(), self.filter.pilot(setup, &mut find))
+        let reference_temperature = self.reference_temperature.unwrap_or(setup.reference_temperature);
+        let setup = Setup { reference_temperature, ..*setup };
+        (self.filter.title(), self.filter.pilot(&setup, &mut find))
     }
 }
 
@@ -74,7 +78,8 @@ impl Calibrated {
 /// the alignment: half the log where that is shorter.
 ///
 /// # Errors
-/// When the log cannot be read, an alignment diverges or finds no reference, or nothing is there to compare with.
+/// When the log cannot be read, an alignment diverges or finds no reference, nothing is there to compare with, or the solution is no
+/// number any more.
 pub fn navigate(
     samples: &dyn Samples,
     board: &dyn Fn() -> Vec<(String, Box<dyn Pilot>)>,
@@ -107,6 +112,9 @@ pub fn navigate(
     let flights: Vec<Flight> = travellers.into_iter().map(arrive).collect();
     if flights.iter().any(|flight| flight.drift.comparisons == 0) {
         return Err(Error::NoPosition);
+    }
+    if let Some(lost) = flights.iter().find(|flight| !flight.drift.largest.is_finite()) {
+        return Err(Error::Lost { filter: lost.filter.clone() });
     }
     Ok((flights, seconds))
 }

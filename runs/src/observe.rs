@@ -5,15 +5,15 @@ use sinscal::observability::{
     Direction, Information, Observability, Segment, Segmenter, TOLERANCE, basis, prior,
 };
 use sinscal::{
-    AnyEffect, Calibration, Conventional, DitherSizeEffect, Diverged, Filter, Setup, Shape, StateInfo,
-    Strapdown,
+    AnyEffect, Calibration, Conventional, DitherSizeEffect, Diverged, Filter, Reference, Setup, Shape,
+    StateInfo, Strapdown,
 };
 
 use crate::Error;
 use crate::compiled::{Selection, own};
 use crate::compose::Composition;
 use crate::filter::AnyFilter;
-use crate::samples::{Samples, each, extent};
+use crate::samples::{Extent, Samples, each};
 
 /// Time spans over which degrees are compared, as in figure 5 of the paper.
 pub const SPANS: usize = 5;
@@ -92,13 +92,25 @@ pub(crate) fn look<F: Filter<Dynamics = Strapdown>>(
     selection: &Selection,
 ) -> Result<Analysis, Error> {
     let setup = &Setup { open: selection.open, ..*setup };
-    // once for its length, so that nothing of it need be kept until the end is known
-    let extent = extent(samples)?;
+    // once for its length and what is read of the reference, so that nothing of it need be kept until the end is known
+    let mut extent = Extent::default();
+    let mut read = vec![false; F::MEASURES.len()];
+    each::<Error>(samples, |sample| {
+        extent.push(sample.time);
+        let here = F::MEASURES.iter().map(|info| is_read(info.name, &sample.reference));
+        read.iter_mut().zip(here).for_each(|(read, here)| *read |= here);
+        Ok(())
+    })?;
+    let unread: Vec<usize> = (0..read.len()).filter(|measured| !read[*measured]).collect();
+    if unread.len() == read.len() {
+        let measures = F::MEASURES.iter().map(|info| info.name).collect::<Vec<_>>().join(" and ");
+        return Err(Error::NoUpdate { filter: F::NAME.to_owned(), measures });
+    }
     let mut run = Box::new(Calibration::<F, Conventional>::with_prior(setup, |_, _, sigma| sigma));
     let before = prior(&run);
     let mut information = Box::new(Information::new(&run));
     let mut segmenter = Segmenter::new(setup);
-    let mut stack = Stack::<F>::new(setup, (extent.first - 1.0 / setup.rate, extent.last), selection);
+    let mut stack = Stack::<F>::new(setup, unread, (extent.first - 1.0 / setup.rate, extent.last), selection);
     let mut diverged = None;
     each::<Error>(samples, |sample| {
         if let Some(segment) = segmenter.push(sample) {
@@ -163,9 +175,29 @@ pub(crate) fn look<F: Filter<Dynamics = Strapdown>>(
     })
 }
 
+/// Whether a reference holds a reading of a measurement, by its name.
+fn is_read(measurement: &str, reference: &Reference) -> bool {
+    match measurement {
+        "velocity" => reference.velocity.is_some(),
+        "position" => reference.position.is_some(),
+        "attitude" => reference.attitude.is_some(),
+        "rate" => reference.rate.is_some(),
+        "height" => reference.height.is_some(),
+        "heading" => reference.heading.is_some(),
+        _ => reference.own.iter().any(|value| !value.is_nan()),
+    }
+}
+
+/// Rows of a filter that cannot see what is never read.
+fn nothing_seen<F: Filter<Dynamics = Strapdown>>(setup: &Setup, unread: &[usize]) -> Observability<F> {
+    unread.iter().fold(Observability::new(setup), |rows, measured| rows.unread(*measured))
+}
+
 /// Takes in segments one by one: rows of the whole path, of the span they lie in, and of the filter with dither.
 struct Stack<'a, F: Filter<Dynamics = Strapdown>> {
     setup: &'a Setup<'a>,
+    /// Measurements that the log has no reading of.
+    unread: Vec<usize>,
     /// Start of each span and end of the last: five equal parts of the log.
     spans: [f64; SPANS + 1],
     whole: Box<Observability<F>>,
@@ -179,13 +211,19 @@ struct Stack<'a, F: Filter<Dynamics = Strapdown>> {
 }
 
 impl<'a, F: Filter<Dynamics = Strapdown>> Stack<'a, F> {
-    fn new(setup: &'a Setup<'a>, (start, end): (f64, f64), selection: &Selection) -> Self {
+    fn new(
+        setup: &'a Setup<'a>,
+        unread: Vec<usize>,
+        (start, end): (f64, f64),
+        selection: &Selection,
+    ) -> Self {
         let held = own::<F>().filter(|state| selection.place(*state).is_none()).collect();
         let mut stack = Self {
             setup,
             spans: std::array::from_fn(|i| start + (end - start) * i as f64 / SPANS as f64),
-            whole: Box::new(Observability::new(setup)),
-            part: Box::new(Observability::new(setup)),
+            whole: Box::new(nothing_seen(setup, &unread)),
+            part: Box::new(nothing_seen(setup, &unread)),
+            unread,
             degrees: Vec::new(),
             held,
             dithers: false,
@@ -211,7 +249,7 @@ impl<'a, F: Filter<Dynamics = Strapdown>> Stack<'a, F> {
     fn close_span(&mut self) {
         self.whole.join(&self.part);
         self.degrees.push(self.part.decompose());
-        *self.part = Observability::new(self.setup);
+        *self.part = nothing_seen(self.setup, &self.unread);
     }
 
     /// Ends the last span and gives what was found in each.

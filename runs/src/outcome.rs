@@ -4,6 +4,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use sinscal::{ChannelInnovations, Gate, Parameter, Smoothed, Statistics};
 
 use crate::history::History;
+use crate::look::Look;
 use crate::navigate::Values;
 use crate::refusals::Stretch;
 
@@ -42,6 +43,8 @@ pub struct Outcome {
     pub position: Vector3<f64>,
     /// Velocity over ground in n at the last sample, m/s.
     pub velocity: Vector3<f64>,
+    /// What the samples say by themselves.
+    pub look: Look,
     /// Whether the log tells any dither.
     pub dithers: bool,
     /// What the last pass left out of the reference.
@@ -62,7 +65,12 @@ pub enum Verdict {
     DoesNotFit,
     /// Most readings of one kind contradict it.
     Contradicted(&'static str),
-    /// They are smaller than the noise of the description.
+    /// It moves the unit away from the fixed point that it stands on.
+    Elsewhere,
+    /// The reference is a fixed point, which has no noise: a sound filter's innovations are a small part of what is stated, and what a
+    /// filter lacks must be many times larger than the noise before they reach it.
+    FixedPoint,
+    /// The innovations are smaller than the noise of the description; the same holds.
     Quiet,
     /// There are too few updates to judge.
     TooFew,
@@ -75,6 +83,60 @@ impl Verdict {
     pub fn fits(self) -> bool {
         matches!(self, Self::Fits)
     }
+
+    /// Whether the log says that they may not.
+    pub fn contradicts(self) -> bool {
+        matches!(self, Self::DoesNotFit | Self::Contradicted(_) | Self::Elsewhere)
+    }
+
+    /// The verdict in one word, as files have it: a log either speaks for a filter, or against it, or has no power to judge.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fits => "fits",
+            Self::DoesNotFit | Self::Contradicted(_) | Self::Elsewhere => "does-not-fit",
+            Self::FixedPoint | Self::Quiet | Self::TooFew | Self::Nothing => "no-power",
+        }
+    }
+}
+
+/// What a verdict is judged by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evidence {
+    /// Updates by the reference.
+    pub updates: usize,
+    /// Mean normalised innovation squared per scalar measurement.
+    pub nis_per_dof: f64,
+    /// Groups of readings that were left out as far off.
+    pub rejected: usize,
+    /// The kind of reading of which most were.
+    pub contradicted: Option<&'static str>,
+    /// Whether the reference is a point that never moves, which nobody has read.
+    pub fixed_point: bool,
+}
+
+/// The verdict on a run.
+///
+/// The normalised innovations judge a filter only where they can be as large as stated: with readings of a reference whose noise is
+/// stated right they are 1 on average, and grow with what the filter lacks. Below that they have no power either way.
+pub fn judge(evidence: &Evidence) -> Verdict {
+    let Evidence { updates, nis_per_dof, rejected, contradicted, fixed_point } = *evidence;
+    if fixed_point && (rejected > 0 || contradicted.is_some()) {
+        Verdict::Elsewhere
+    } else if let Some(channel) = contradicted {
+        Verdict::Contradicted(channel)
+    } else if nis_per_dof.is_nan() {
+        Verdict::Nothing
+    } else if updates < FEWEST {
+        Verdict::TooFew
+    } else if nis_per_dof > FITS.1 {
+        Verdict::DoesNotFit
+    } else if fixed_point {
+        Verdict::FixedPoint
+    } else if nis_per_dof < FITS.0 {
+        Verdict::Quiet
+    } else {
+        Verdict::Fits
+    }
 }
 
 impl core::fmt::Display for Verdict {
@@ -85,7 +147,13 @@ impl core::fmt::Display for Verdict {
             }
             Self::TooFew => "cannot be judged by so few updates",
             Self::DoesNotFit => "does not fit: the residuals are larger than its model allows",
-            Self::Quiet => "fits, with residuals smaller than the noise of the description",
+            Self::Elsewhere => "does not fit: it moves the unit away from the fixed point that it stands on",
+            Self::FixedPoint => {
+                "cannot be judged by its residuals: a fixed point has no noise to compare them with"
+            }
+            Self::Quiet => {
+                "cannot be judged by its residuals: they are smaller than the noise of the description"
+            }
             Self::Nothing => "says nothing",
             Self::Fits => "fits",
         })
@@ -95,20 +163,13 @@ impl core::fmt::Display for Verdict {
 impl Outcome {
     /// Whether the filter explains the log.
     pub fn verdict(&self) -> Verdict {
-        let nis = self.statistics.nis_per_dof();
-        if let Some(channel) = self.contradicted() {
-            Verdict::Contradicted(channel)
-        } else if self.statistics.updates < FEWEST {
-            Verdict::TooFew
-        } else if nis.is_nan() {
-            Verdict::Nothing
-        } else if nis > FITS.1 {
-            Verdict::DoesNotFit
-        } else if nis < FITS.0 {
-            Verdict::Quiet
-        } else {
-            Verdict::Fits
-        }
+        judge(&Evidence {
+            updates: self.statistics.updates,
+            nis_per_dof: self.statistics.nis_per_dof(),
+            rejected: self.statistics.rejected,
+            contradicted: self.contradicted(),
+            fixed_point: self.look.is_fixed_point(),
+        })
     }
 
     /// Share of the readings of the reference that were left out as far off.
@@ -148,5 +209,44 @@ impl Outcome {
     /// When a parameter's sigma came within twice the final one for good, s after the start of the log.
     pub fn converged(&self, parameter: usize) -> Option<f64> {
         self.history.converged(parameter, self.start)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOUND: Evidence =
+        Evidence { updates: 1000, nis_per_dof: 1.0, rejected: 0, contradicted: None, fixed_point: false };
+
+    #[test]
+    fn readings_speak_for_a_filter_and_against_it() {
+        for (nis_per_dof, name) in [
+            (1.0, "fits"),
+            (0.85, "fits"),
+            (1.15, "fits"),
+            (1.25, "does-not-fit"),
+            (0.5, "no-power"),
+            (f64::NAN, "no-power"),
+        ] {
+            assert_eq!(judge(&Evidence { nis_per_dof, ..SOUND }).name(), name, "{nis_per_dof}");
+        }
+        // a few outliers of 1000 readings are those of the reference
+        assert_eq!(judge(&Evidence { rejected: 12, ..SOUND }), Verdict::Fits);
+        let most = judge(&Evidence { contradicted: Some("velocity"), ..SOUND });
+        assert!(most.contradicts() && most.to_string().contains("most readings of velocity contradict it"));
+        assert_eq!(judge(&Evidence { updates: 9, ..SOUND }).name(), "no-power");
+    }
+
+    #[test]
+    fn a_fixed_point_never_speaks_for_a_filter() {
+        let fixed = Evidence { fixed_point: true, ..SOUND };
+        for nis_per_dof in [0.03, 0.5, 1.07, 1.19] {
+            assert_eq!(judge(&Evidence { nis_per_dof, ..fixed }).name(), "no-power", "{nis_per_dof}");
+        }
+        assert_eq!(judge(&Evidence { nis_per_dof: 1.3, ..fixed }), Verdict::DoesNotFit);
+        // it has no readings that could be outliers
+        let elsewhere = judge(&Evidence { nis_per_dof: 0.2, rejected: 12, ..fixed });
+        assert!(elsewhere == Verdict::Elsewhere && elsewhere.name() == "does-not-fit");
     }
 }

@@ -11,6 +11,7 @@ use sinscal::{
 use crate::compiled::Selection;
 use crate::filter::AnyFilter;
 use crate::history::History;
+use crate::look::Look;
 use crate::outcome::Outcome;
 use crate::refusals::Refusals;
 use crate::samples::Extent;
@@ -114,6 +115,7 @@ struct Run<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> {
     interval: f64,
     pass: u32,
     extent: Extent,
+    look: Look,
     dithers: bool,
     history: History,
     /// What is left out of the reference; in the last pass what is smoothed, and the residuals.
@@ -136,6 +138,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> Run<F, C> {
             interval: 1.0 / setup.rate,
             pass: 0,
             extent: Extent::default(),
+            look: Look::default(),
             dithers: false,
             history: History::new(selection.states.len(), options.history_step),
             observer: (Refusals::default(), (None, None)),
@@ -179,6 +182,10 @@ impl<F: Filter<Dynamics = Strapdown>, C: sinscal::Form + Send> Running for Run<F
     fn feed(&mut self, samples: &[Sample]) -> Result<(), Diverged> {
         for sample in samples {
             self.extent.push(sample.time);
+            // every pass reads the same
+            if self.pass == 1 {
+                self.look.push(sample);
+            }
             self.dithers |= sample.dither.iter().any(|amplitude| *amplitude > 0.0);
             let update = self.calibration.step_observed(sample, &mut self.observer)?;
             if update.is_some() && self.history.due(sample.time) {
@@ -217,6 +224,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: sinscal::Form + Send> Running for Run<F
             attitude: self.calibration.attitude(),
             position: self.calibration.position(),
             velocity: self.calibration.navigation().velocity,
+            look: self.look,
             dithers: self.dithers,
             refused: refusals.stretches,
             smoothed: smoother.map(|smoother| smoother.finish(&dense)).transpose()?,

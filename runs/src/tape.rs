@@ -14,8 +14,20 @@ pub(crate) struct FileTape {
 
 impl FileTape {
     pub(crate) fn new() -> io::Result<Self> {
-        Ok(Self { file: BufWriter::new(tempfile::tempfile()?), length: 0, bytes: Vec::new() })
+        Ok(Self {
+            file: BufWriter::new(tempfile::tempfile().map_err(unnamed)?),
+            length: 0,
+            bytes: Vec::new(),
+        })
     }
+}
+
+/// Without the name of a file that nobody has asked for: where it was to be is enough.
+fn unnamed(error: io::Error) -> io::Error {
+    let cause = error.get_ref().and_then(|inner| inner.source()).map(ToString::to_string);
+    let folder = std::env::temp_dir();
+    let cause = cause.unwrap_or_else(|| error.to_string());
+    io::Error::new(error.kind(), format!("in {} (TMPDIR): {cause}", folder.display()))
 }
 
 impl Tape for FileTape {

@@ -16,10 +16,19 @@ pub fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// The value below which the part `p` of the values lies, linear between neighbours; NaN of nothing.
+/// The largest; zero of nothing, NaN where one is no number.
+pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |most, value| if value > most || value.is_nan() { value } else { most })
+}
+
+/// The value below which the part `p` of the values lies, linear between neighbours; NaN of nothing, and where one is no
+/// number.
 pub fn percentile(values: &[f64], p: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
+    if values.iter().any(|value| value.is_nan()) {
+        return f64::NAN;
+    }
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let at = p.clamp(0.0, 1.0) * last as f64;
     let below = at.floor() as usize;
@@ -92,6 +101,17 @@ mod tests {
         assert!(median(&[]).is_nan());
         assert_eq!(coverage(&[-1.0, 0.5, 2.0, -3.0], 2.0), 0.75);
         assert!((rms(&[3.0, 4.0]) - 12.5_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(percentile(&[10.0, 0.0, 20.0], 0.75), 15.0);
+        assert_eq!(mean(&[1.0, 2.0, 6.0]), 3.0);
+    }
+
+    #[test]
+    fn what_is_no_number_is_not_passed_over() {
+        for nan in [f64::NAN, -f64::NAN] {
+            assert!(largest([1.0, nan, 2.0]).is_nan());
+            assert!(median(&[1.0, nan, 2.0]).is_nan() && percentile(&[nan, 1.0, 2.0], 0.95).is_nan());
+        }
+        assert_eq!((largest([1.0, 3.0, 2.0]), largest([])), (3.0, 0.0));
     }
 
     #[test]

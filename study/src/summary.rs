@@ -189,3 +189,100 @@ impl ParameterSummary {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ParameterResult;
+
+    /// One filter of one parameter, with its error in sigmas of 2, and a navigation error.
+    fn filter(name: &str, error: f64, nis: f64, navigation: f64) -> FilterResult {
+        let parameter = ParameterResult {
+            name: "gyro-bias".into(),
+            component: "x".into(),
+            truth: 10.0,
+            value: 10.0 + 2.0 * error,
+            sigma: 2.0,
+            converged_s: 100.0 * navigation,
+            sheet_unit: "deg/h".into(),
+            sheet_scale: 1.0,
+        };
+        FilterResult {
+            filter: name.into(),
+            nis_per_dof: nis,
+            nees: error * error,
+            degrees_of_freedom: 1,
+            parameters: vec![parameter],
+            max_horizontal_m: Some(navigation),
+            final_horizontal_m: Some(0.5 * navigation),
+        }
+    }
+
+    fn units() -> Vec<UnitResult> {
+        let of = |unit: u64, error: f64, navigation: [f64; 2]| UnitResult {
+            unit,
+            filters: vec![
+                filter("a", error, 1.0, navigation[0]),
+                filter("b", 3.0 * error, 2.0, navigation[1]),
+            ],
+        };
+        // out of order: a summary does not depend on it
+        vec![
+            of(3, -1.5, [30.0, 15.0]),
+            of(1, 0.5, [10.0, 5.0]),
+            of(2, 0.5, [20.0, 40.0]),
+            of(4, 2.5, [40.0, 20.0]),
+        ]
+    }
+
+    #[test]
+    fn errors_of_a_parameter_as_worked_out_by_hand() {
+        let summary = Summary::new(&units());
+        let one = &summary.filters[0].parameters[0];
+        // errors 1, 1, -3, 5
+        assert_eq!((one.bias, one.rms, one.sigma), (1.0, 3.0, 2.0));
+        // sigmas 0.5, 0.5, -1.5, 2.5: squares 0.25, 0.25, 2.25, 6.25
+        assert!((one.nees - 2.25).abs() < 1e-12);
+        assert_eq!(one.coverage, [0.5, 0.75, 1.0]);
+        assert_eq!(one.converged_s, 2500.0);
+        assert_eq!((one.name.as_str(), one.component.as_str()), ("gyro-bias", "x"));
+        // chi-square of four at 0.5 % and 99.5 %, over four: 0.20699 and 14.860
+        assert!((one.nees_band_99[0] - 0.20699 / 4.0).abs() < 1e-5);
+        assert!((one.nees_band_99[1] - 14.86026 / 4.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn filters_are_compared_unit_by_unit() {
+        let summary = Summary::new(&units());
+        let [a, b] = summary.filters.as_slice() else { panic!("two filters") };
+        assert_eq!((summary.units, a.filter.as_str(), b.filter.as_str()), (4, "a", "b"));
+        assert_eq!((a.nis_per_dof, b.nis_per_dof), (1.0, 2.0));
+        assert!((a.nees_per_dof - 2.25).abs() < 1e-12 && a.consistent);
+        // nine times 2.25 is beyond 3.7
+        assert!((b.nees_per_dof - 20.25).abs() < 1e-12 && !b.consistent);
+        // largest errors 10 20 30 40 and 5 15 20 40
+        let quartiles = |p: Percentiles| [p.p05, p.p25, p.p50, p.p75, p.p95];
+        let hand = |found: [f64; 5], by_hand: [f64; 5]| {
+            found
+                .iter()
+                .zip(by_hand)
+                .for_each(|(f, h)| assert!((f - h).abs() < 1e-12, "{found:?} {by_hand:?}"));
+        };
+        hand(quartiles(a.max_horizontal_m.unwrap()), [11.5, 17.5, 25.0, 32.5, 38.5]);
+        hand(quartiles(b.max_horizontal_m.unwrap()), [6.5, 12.5, 17.5, 25.0, 37.0]);
+        hand(quartiles(a.final_horizontal_m.unwrap()), [5.75, 8.75, 12.5, 16.25, 19.25]);
+        assert_eq!((a.best, b.best), (Some(0.25), Some(0.75)));
+        assert_eq!((a.ratio_to_first, b.ratio_to_first), (Some(1.0), Some(17.5 / 25.0)));
+        assert_eq!(summary.order, ["b", "a"]);
+        // of four values no interval of the median holds with 95 %
+        assert_eq!(a.median_interval_95_m, None);
+    }
+
+    #[test]
+    fn a_unit_without_a_number_spoils_the_percentiles_and_not_unseen() {
+        let mut units = units();
+        units[0].filters[0].max_horizontal_m = Some(f64::NAN);
+        let summary = Summary::new(&units);
+        assert!(summary.filters[0].max_horizontal_m.is_some_and(|p| p.p50.is_nan() && p.p95.is_nan()));
+    }
+}

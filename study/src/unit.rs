@@ -134,7 +134,11 @@ impl Plan {
             .filters
             .iter()
             .zip(outcomes)
-            .map(|(filter, outcome)| Calibrated { filter: filter.clone(), values: outcome.values() })
+            .map(|(filter, outcome)| Calibrated {
+                filter: filter.clone(),
+                values: outcome.values(),
+                reference_temperature: Some(self.scenario.temperature.reference),
+            })
             .collect();
         let setup = description.setup(&[]);
         let board = || calibrations.iter().map(|calibrated| calibrated.pilot(&setup)).collect();

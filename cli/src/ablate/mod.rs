@@ -10,6 +10,8 @@ use miette::{IntoDiagnostic, Result, miette};
 use runs::{AnyFilter, Calibrated, Flight, Options, Outcome, calibrate_all};
 use serde::Serialize;
 
+use sinscal::PAPER;
+
 use crate::arguments::{self, ALIGNMENT, LogArgument, Results, alignment};
 use crate::navigate::{errors, fly, section};
 use crate::origin::{Documented as _, inputs};
@@ -17,9 +19,6 @@ use crate::setup;
 use crate::source::{Source, fault};
 use crate::vocabulary::vocabulary;
 use reports::{Cell, Report as Page, Section, Table, Tone, number, text};
-
-/// The five filters of the paper, in the order of its table 3.
-pub(crate) const FILTERS: [&str; 5] = ["36d-p", "39d-p", "40d-p", "43d-p", "43d-b"];
 
 /// What its help ends with.
 const EXAMPLES: &str = "\
@@ -65,22 +64,28 @@ struct Row {
     final_horizontal_nmi: Option<f64>,
     log_likelihood: f64,
     updates: usize,
+    #[serde(skip)]
+    fits: bool,
+    verdict: &'static str,
 }
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
-        let target = self.results.target()?;
+        let mut target = self.results.target()?;
         let log = self.log.open()?;
+        target.reads_log(&log)?;
         let swing = self
             .swing
             .as_deref()
             .map(|swing| arguments::open(swing, &self.log.columns.reading()))
             .transpose()?;
+        swing.iter().try_for_each(|swing| target.reads_log(swing))?;
         let filters = paper()?;
         let outcomes = calibrate(&log, &filters, self.passes)?;
         let calibrated = |(filter, outcome): (&Arc<dyn AnyFilter>, &Outcome)| Calibrated {
             filter: filter.clone(),
             values: outcome.estimates(),
+            reference_temperature: Some(log.description().reference_temperature),
         };
         let calibrations: Vec<Calibrated> = filters.iter().zip(&outcomes).map(calibrated).collect();
         let flown = swing.as_ref().map(|log| fly(log, &calibrations, self.align)).transpose()?;
@@ -93,6 +98,8 @@ impl Arguments {
             final_horizontal_nmi: flights.get(i).map(Flight::last),
             log_likelihood: outcome.statistics.log_likelihood,
             updates: outcome.statistics.updates,
+            fits: outcome.verdict().fits(),
+            verdict: outcome.verdict().name(),
         });
         let report = Report {
             filters: rows.collect(),
@@ -121,7 +128,7 @@ impl Arguments {
 
 /// The filters of the paper.
 pub(crate) fn paper() -> Result<Vec<Arc<dyn AnyFilter>>> {
-    FILTERS.iter().map(|name| vocabulary().filter(name).map_err(|error| miette!("{error}"))).collect()
+    PAPER.iter().map(|name| vocabulary().filter(name).map_err(|error| miette!("{error}"))).collect()
 }
 
 /// Runs every filter over `log`.
@@ -188,7 +195,13 @@ fn verdict(report: &Report) -> String {
     }
     let off = |row: &Row| (row.nis_per_dof - 1.0).abs();
     match report.filters.iter().min_by(|a, b| off(a).total_cmp(&off(b))) {
-        Some(best) => format!("{} fits best: NIS per degree of freedom {:.3}", best.filter, best.nis_per_dof),
+        Some(best) if report.filters.iter().any(|row| row.fits) => {
+            format!("{} fits best: NIS per degree of freedom {:.3}", best.filter, best.nis_per_dof)
+        }
+        Some(nearest) => format!(
+            "none of them is shown to fit; {} comes nearest to 1 with a NIS per degree of freedom of {:.3}",
+            nearest.filter, nearest.nis_per_dof
+        ),
         None => String::new(),
     }
 }

@@ -2,7 +2,7 @@
 
 mod json;
 mod report;
-mod text;
+pub(crate) mod text;
 
 use std::time::Instant;
 
@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum};
 use logs::Log;
 use logs::units::DEGREE;
 use miette::Result;
-use runs::{Options, Watch};
+use runs::{Options, Verdict, Watch};
 use sinscal::{Coarse, Parameter, Statistics, UnknownPulses};
 
 use crate::arguments::{self, FilterArgument, LogArgument, Results};
@@ -100,11 +100,13 @@ fn far_out(parameter: &Parameter) -> bool {
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let started = Instant::now();
-        let target = self.results.target()?;
+        let mut target = self.results.target()?;
         let filter = self.filter.filter()?;
         let filter = &*filter;
-        let mut log = Log::open_counting(&self.log.log, &self.log.columns.reading())?;
+        let mut log = Log::open_counting(&self.log.log, &self.log.columns.reading_for(filter))?;
         arguments::tell(&log);
+        target.reads_log(&log)?;
+        self.filter.change.files().try_for_each(|path| target.reads(path))?;
         if self.coarse || log.unknown_pulses() != UnknownPulses::default() {
             setup::coarse(&mut log)?;
         }
@@ -143,6 +145,13 @@ impl Arguments {
                 "{} reckons with the dither, and the log tells none in dither_x, dither_y, dither_z: if the unit dithers, what \
                  that does to the accelerometers is in the estimates",
                 filter.title()
+            ));
+        }
+        text::oddities(&outcome.look, outcome.verdict().contradicts()).iter().for_each(|odd| say::warn(odd));
+        if outcome.verdict() == Verdict::FixedPoint {
+            say::remark(&format!(
+                "a fixed point has no noise that residuals could be compared with: `sinscal diagnose` looks for what {} lacks",
+                outcome.filter
             ));
         }
         if let Some(doubt) = text::doubt(&outcome, options.passes) {

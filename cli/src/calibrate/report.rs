@@ -43,7 +43,7 @@ pub(super) fn report(
     if let Some(truth) = truth {
         let errors =
             parameters.iter().filter(|p| p.estimated).map(|p| ((p.value - truth(&p.info)) / p.sigma).abs());
-        let largest = errors.fold(0.0, f64::max);
+        let largest = study::statistics::largest(errors);
         facts.push(("largest error against the truth".into(), format!("{} sigma", significant(largest))));
     }
     let mut sections = vec![
@@ -56,7 +56,11 @@ pub(super) fn report(
     let report = Report {
         title: format!("Calibration of {} with {}", log.table().display(), filter.title()),
         verdict: text::verdict(outcome),
-        tone: if outcome.verdict().fits() { Tone::Good } else { Tone::Bad },
+        tone: match outcome.verdict() {
+            verdict if verdict.fits() => Tone::Good,
+            verdict if verdict.contradicts() => Tone::Bad,
+            _ => Tone::Neutral,
+        },
         facts,
         sections,
         origin: Vec::new(),

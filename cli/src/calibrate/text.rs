@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::time::Duration;
 
 use logs::{Bridged, Log};
-use runs::Outcome;
+use runs::{Look, Outcome, Verdict};
 use sinscal::{CoarseCalibration, Parameter, Site, Smoothed};
 
 use reports::figures::{decimals, significant};
@@ -21,6 +21,9 @@ const MICRO_G: f64 = 9.80665e-6;
 /// What to say where much of the reference was left out, and what to do about it.
 pub(super) fn doubt(outcome: &Outcome, passes: u32) -> Option<String> {
     let share = outcome.left_out();
+    if outcome.verdict() == Verdict::Elsewhere {
+        return Some(elsewhere(outcome));
+    }
     if !(share > MANY_LEFT_OUT[usize::from(passes > 1)]) {
         return None;
     }
@@ -43,6 +46,44 @@ pub(super) fn doubt(outcome: &Outcome, passes: u32) -> Option<String> {
     ))
 }
 
+/// What to say where a unit is moved away from the fixed point that it stands on.
+fn elsewhere(outcome: &Outcome) -> String {
+    let times = outcome.refused.iter().map(|stretch| (stretch.first_s, stretch.last_s));
+    let (first, last) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(first, last), (from, to)| {
+        (first.min(from), last.max(to))
+    });
+    let spike = outcome.look.spike().map_or(String::new(), |(sensor, time, by)| {
+        let unit = if sensor.starts_with("gyro") { "rad/s" } else { "m/s^2" };
+        format!("; at {time:.3} s the {sensor} reads {by:.3} {unit} off both its neighbours")
+    });
+    format!(
+        "from {first:.1} s to {last:.1} s the increments say that the unit is not where the log has it, at a fixed point: nobody reads \
+         that, so the site, the increments or what {} lacks are at fault{spike}",
+        outcome.filter
+    )
+}
+
+/// What the samples themselves say, and a reader of the results should know; `failed` says that they do not go together with the
+/// filter. A sensor that reads nothing but 0 may be an ideal one at rest, as long as it contradicts nothing.
+pub(crate) fn oddities(look: &Look, failed: bool) -> Vec<String> {
+    let mut said: Vec<String> = Vec::new();
+    said.extend(look.saturated().map(|saturated| format!("the {saturated}: what is found of it is wrong")));
+    let dead: Vec<&str> = look.dead().collect();
+    if failed && !dead.is_empty() {
+        said.push(format!("{} read nothing but 0", dead.join(", ")));
+    }
+    let rounded: Vec<String> =
+        look.rounded().map(|(sensor, part)| format!("{sensor} ({:.0} %)", 100.0 * part)).collect();
+    if !rounded.is_empty() {
+        said.push(format!(
+            "the readings are rounded to about the size of their noise, and repeat to the last digit from row to row: {}; write the \
+             log with more digits, or the sigmas are too small",
+            rounded.join(", ")
+        ));
+    }
+    said
+}
+
 /// Whether the filter explains the data, in one line.
 pub(super) fn verdict(outcome: &Outcome) -> String {
     let statistics = &outcome.statistics;
@@ -54,7 +95,12 @@ pub(super) fn verdict(outcome: &Outcome) -> String {
         statistics.updates
     );
     if statistics.rejected > 0 {
-        let _ = write!(text, ", {} outliers of the reference left out", statistics.rejected);
+        let what = if outcome.look.is_fixed_point() {
+            "comparisons with the fixed point"
+        } else {
+            "outliers of the reference"
+        };
+        let _ = write!(text, ", {} {what} left out", statistics.rejected);
     }
     if statistics.repeated > 0 {
         let _ = write!(text, ", {} readings that only repeat the one before", statistics.repeated);

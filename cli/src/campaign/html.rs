@@ -40,7 +40,7 @@ pub(super) fn report(summary: &Summary, results: &[UnitResult]) -> Report {
 pub(crate) fn navigation(summary: &Summary, results: &[UnitResult]) -> Section {
     let miles = |metres: f64| metres / NAUTICAL_MILE;
     let end = summary.filters.iter().filter_map(|filter| filter.max_horizontal_m).map(|errors| errors.p95);
-    let end = 1.05 * end.fold(0.0, f64::max);
+    let end = 1.05 * study::statistics::largest(end);
     let row = |filter: &FilterSummary| {
         let errors = filter.max_horizontal_m?;
         let ratio = match (filter.ratio_to_first, filter.ratio_interval_95) {

@@ -9,7 +9,9 @@ use serde::Serialize;
 use sinscal::navigation::NAUTICAL_MILE;
 use study::{Cell, Plan, Sizes, UnitResult};
 
-use crate::ablate::{FILTERS, paper};
+use sinscal::PAPER;
+
+use crate::ablate::paper;
 use crate::arguments::{ALIGNMENT, Drawn, Results, hours, within};
 use crate::origin::Documented as _;
 use crate::say::progress_bar;
@@ -47,7 +49,7 @@ fn factor(text: &str) -> Result<f64, String> {
 
 #[derive(Serialize)]
 struct Report {
-    filters: [&'static str; 5],
+    filters: &'static [&'static str],
     units: u64,
     hours: f64,
     /// Combinations in which each filter is better than the one before.
@@ -57,7 +59,8 @@ struct Report {
 
 impl Arguments {
     pub(super) fn run(self) -> Result<()> {
-        let target = self.results.target()?;
+        let mut target = self.results.target()?;
+        self.drawn.scenario.iter().try_for_each(|path| target.reads(path))?;
         let plan = Plan {
             scenario: self.drawn.load()?,
             filters: paper()?,
@@ -82,7 +85,7 @@ impl Arguments {
         let cells: Vec<Cell> = grid.par_iter().map(cell).collect::<Result<_>>()?;
         bar.finish_and_clear();
         let in_order = cells.iter().filter(|cell| cell.in_order).count();
-        let report = Report { filters: FILTERS, units: self.units, hours: self.hours, in_order, cells };
+        let report = Report { filters: PAPER, units: self.units, hours: self.hours, in_order, cells };
         let json = serde_json::to_string_pretty(&report).into_diagnostic()? + "\n";
         target.write("map", &json, &table(&report), &verdict(&report), |files, folder| {
             let page = page(&report).with_program().with("seed", self.drawn.seed.to_string());

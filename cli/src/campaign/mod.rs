@@ -18,10 +18,10 @@ use miette::{IntoDiagnostic, Report, Result, miette};
 use rayon::prelude::*;
 use rig::scenario::MotionPlan;
 use runs::AnyFilter;
+use sinscal::PAPER;
 use study::{Plan, Summary, UnitResult};
 
 use self::store::{Identity, Store};
-use crate::ablate::FILTERS;
 use crate::arguments::{self, ALIGNMENT, Drawn, Results, alignment, hours};
 use crate::compose::Change;
 use crate::origin::Documented as _;
@@ -57,7 +57,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     drawn: Drawn,
     /// The filters, separated by commas
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_values = FILTERS, ignore_case = true,
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_values = PAPER, ignore_case = true,
           value_parser = arguments::filter())]
     filters: Vec<Arc<dyn AnyFilter>>,
     #[command(flatten)]
@@ -113,7 +113,9 @@ impl Arguments {
             Some(Command::Map(map)) => return map.run(),
             None => {}
         }
-        let target = self.results.target()?;
+        let mut target = self.results.target()?;
+        [&self.drawn.scenario, &self.swing].into_iter().flatten().try_for_each(|path| target.reads(path))?;
+        self.change.files().try_for_each(|path| target.reads(path))?;
         let mut filters: Vec<Arc<dyn AnyFilter>> = Vec::new();
         for filter in &self.filters {
             if filters.iter().any(|other| other.title() == filter.title()) {
@@ -158,7 +160,7 @@ impl Arguments {
             ("hours", plan.hours.to_string()),
             ("alignment", format!("{} s", plan.alignment)),
         ];
-        report(&results, &target, settings, self.drawn.scenario.as_deref())
+        report(&results, target, settings, self.drawn.scenario.as_deref())
     }
 }
 
@@ -208,12 +210,13 @@ fn put_through(plan: &Plan, units: &[u64], store: Option<&Store>) -> Result<Vec<
 }
 
 fn merge(folders: &[PathBuf], results: &Results) -> Result<()> {
-    let target = results.target()?;
+    let mut target = results.target()?;
     let mut results: BTreeMap<u64, UnitResult> = BTreeMap::new();
     let mut identity: Option<(Identity, &PathBuf)> = None;
     for folder in folders {
         let store = Store::open(folder);
         let found = store.identity()?;
+        target.reads(&store.plan_path())?;
         if let Some((first, at)) = &identity {
             if let Some(field) = first.difference(&found) {
                 return Err(miette!(
@@ -226,6 +229,7 @@ fn merge(folders: &[PathBuf], results: &Results) -> Result<()> {
             identity = Some((found, folder));
         }
         for unit in store.finished()? {
+            target.reads(&store.unit_path(unit))?;
             let Some(result) = store.unit(unit) else {
                 say::warn(&format!("{}: unit {unit} is damaged and left out", folder.display()));
                 continue;
@@ -249,12 +253,12 @@ fn merge(folders: &[PathBuf], results: &Results) -> Result<()> {
     if gaps > 0 {
         say::warn(&format!("{gaps} units between the first and the last are not there yet"));
     }
-    report(&results, &target, Vec::new(), None)
+    report(&results, target, Vec::new(), None)
 }
 
 fn report(
     results: &[UnitResult],
-    target: &output::Target<'_>,
+    target: output::Target<'_>,
     settings: Vec<(&str, String)>,
     scenario: Option<&Path>,
 ) -> Result<()> {

@@ -107,7 +107,7 @@ impl Store {
         serde_json::from_str(&text).map_err(|error| miette!("{}: {error}", path.display()))
     }
 
-    fn plan_path(&self) -> PathBuf {
+    pub(super) fn plan_path(&self) -> PathBuf {
         self.folder.join("plan.json")
     }
 
@@ -115,7 +115,7 @@ impl Store {
         self.folder.join("units")
     }
 
-    fn unit_path(&self, unit: u64) -> PathBuf {
+    pub(super) fn unit_path(&self, unit: u64) -> PathBuf {
         self.units().join(format!("unit-{unit:06}.json"))
     }
 

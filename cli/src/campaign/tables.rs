@@ -14,15 +14,18 @@ pub(super) fn filters(results: &[UnitResult]) -> Result<Vec<u8>> {
     let some = |value: fn(&FilterResult) -> Option<f64>| {
         Cells::Some(rows.iter().map(|(_, row)| value(row)).collect())
     };
-    write(vec![
-        ("unit".into(), Cells::Counts(rows.iter().map(|(unit, _)| *unit).collect())),
-        ("filter".into(), Cells::Words(rows.iter().map(|(_, row)| row.filter.clone()).collect())),
-        ("nis_per_dof".into(), number(|row| row.nis_per_dof)),
-        ("nees".into(), number(|row| row.nees)),
-        ("degrees_of_freedom".into(), number(|row| row.degrees_of_freedom as f64)),
-        ("max_horizontal_m".into(), some(|row| row.max_horizontal_m)),
-        ("final_horizontal_m".into(), some(|row| row.final_horizontal_m)),
-    ])
+    write(
+        "Campaign: filters",
+        vec![
+            ("unit".into(), Cells::Counts(rows.iter().map(|(unit, _)| *unit).collect())),
+            ("filter".into(), Cells::Words(rows.iter().map(|(_, row)| row.filter.clone()).collect())),
+            ("nis_per_dof".into(), number(|row| row.nis_per_dof)),
+            ("nees".into(), number(|row| row.nees)),
+            ("degrees_of_freedom".into(), number(|row| row.degrees_of_freedom as f64)),
+            ("max_horizontal_m".into(), some(|row| row.max_horizontal_m)),
+            ("final_horizontal_m".into(), some(|row| row.final_horizontal_m)),
+        ],
+    )
 }
 
 /// `parameters.parquet`.
@@ -39,21 +42,24 @@ pub(super) fn parameters(results: &[UnitResult]) -> Result<Vec<u8>> {
     let words = |value: fn(&ParameterResult) -> &str| {
         Cells::Words(rows.iter().map(|(.., row)| value(row).to_owned()).collect())
     };
-    write(vec![
-        ("unit".into(), Cells::Counts(rows.iter().map(|(unit, ..)| *unit).collect())),
-        ("filter".into(), Cells::Words(rows.iter().map(|(_, filter, _)| (*filter).to_owned()).collect())),
-        ("parameter".into(), words(|row| &row.name)),
-        ("component".into(), words(|row| &row.component)),
-        ("truth".into(), number(|row| row.truth)),
-        ("value".into(), number(|row| row.value)),
-        ("sigma".into(), number(|row| row.sigma)),
-        ("converged_s".into(), number(|row| row.converged_s)),
-    ])
+    write(
+        "Campaign: parameters",
+        vec![
+            ("unit".into(), Cells::Counts(rows.iter().map(|(unit, ..)| *unit).collect())),
+            ("filter".into(), Cells::Words(rows.iter().map(|(_, filter, _)| (*filter).to_owned()).collect())),
+            ("parameter".into(), words(|row| &row.name)),
+            ("component".into(), words(|row| &row.component)),
+            ("truth".into(), number(|row| row.truth)),
+            ("value".into(), number(|row| row.value)),
+            ("sigma".into(), number(|row| row.sigma)),
+            ("converged_s".into(), number(|row| row.converged_s)),
+        ],
+    )
 }
 
-fn write(columns: Vec<Column>) -> Result<Vec<u8>> {
+fn write(title: &str, columns: Vec<Column>) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let mut writer = TableWriter::new(&mut bytes, &columns).into_diagnostic()?;
+    let mut writer = TableWriter::new(&mut bytes, &columns, title).into_diagnostic()?;
     writer.write(&columns).into_diagnostic()?;
     writer.finish().into_diagnostic()?;
     Ok(bytes)

@@ -148,7 +148,7 @@ fn fit(fit: &story::Fit, truth: &Truth) -> String {
 /// Largest error by its sigma.
 fn largest_error(parameters: &[Parameter], truth: &Truth) -> f64 {
     let error = |p: &Parameter| ((p.value - truth.of(&p.info)) / p.sigma).abs();
-    parameters.iter().map(error).fold(0.0, f64::max)
+    study::statistics::largest(parameters.iter().map(error))
 }
 
 /// Values of an effect in data-sheet units.

@@ -186,7 +186,9 @@ impl Fit {
     fn new(run: &Run, swing: &Run, filter: &Arc<dyn AnyFilter>) -> Result<Self, runs::Error> {
         let options = Options { passes: PASSES, residuals: true, ..Options::of(&**filter) };
         let outcome = calibrate(&**filter, &run.samples, &run.description.setup(&[]), &options, &mut ())?;
-        let calibrated = Calibrated { filter: filter.clone(), values: outcome.values() };
+        let reference_temperature = Some(run.description.reference_temperature);
+        let calibrated =
+            Calibrated { filter: filter.clone(), values: outcome.values(), reference_temperature };
         let setup = swing.description.setup(&[]);
         let (mut flights, _) = navigate(&swing.samples, &|| vec![calibrated.pilot(&setup)], ALIGNMENT)?;
         Ok(Self { outcome, flight: flights.swap_remove(0) })

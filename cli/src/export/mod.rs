@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use miette::Result;
 
-use crate::output::{self, Files};
+use crate::output::{self, Files, Sources};
 
 /// What its help ends with.
 const EXAMPLES: &str = "\
@@ -50,8 +50,11 @@ enum Format {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
+        let mut sources = Sources::default();
+        sources.add(&self.calibration);
+        let mut files = Files::beside(sources);
         if let Some(path) = &self.out {
-            output::check_file(path)?;
+            files.check(path)?;
         }
         let calibration = read::read(&self.calibration)?;
         let text = match self.format {
@@ -61,7 +64,6 @@ impl Arguments {
             Format::Rust => write::rust(&calibration),
         };
         let Some(path) = &self.out else { return output::print(&text) };
-        let mut files = Files::default();
         files.write(path, |file| file.write_all(text.as_bytes()))?;
         files.commit()
     }

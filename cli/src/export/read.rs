@@ -75,7 +75,7 @@ pub(super) fn read(path: &Path) -> Result<Calibration> {
     Ok(Calibration {
         filter: calibrated.filter.title(),
         source: source(path, &calibrated.filter.title(), &document)?,
-        reference_temperature: document["reference_temperature_c"].as_f64(),
+        reference_temperature: calibrated.reference_temperature,
         dither: calibrated.filter.needs_dither(),
         pulses: [("gyro-pulse", "rad", "gyro_rad_per_pulse"), ("accel-pulse", "m/s", "accel_m_s_per_pulse")]
             .into_iter()
@@ -89,10 +89,15 @@ pub(super) fn read(path: &Path) -> Result<Calibration> {
     })
 }
 
+/// Whether a character ends a line somewhere, or turns the direction of a text.
+fn ends_line(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
 /// Where it comes from, in lines without any character that ends a comment.
 fn source(path: &Path, filter: &str, document: &Value) -> Result<Vec<String>> {
     let clean = |text: &str| -> String {
-        let kept = text.chars().map(|c| if c.is_control() || "*\\".contains(c) { '?' } else { c });
+        let kept = text.chars().map(|c| if ends_line(c) || "*\\".contains(c) { '?' } else { c });
         kept.take(300).collect()
     };
     let sum = origin::sha256(path).map_err(|error| miette!("{}: cannot be read: {error}", path.display()))?;

@@ -17,6 +17,9 @@ const LARGEST: u64 = 16 << 20;
 /// A parameter beyond so many default priors is no calibration of an inertial unit, and the filter could not follow it.
 const ABSURD: f64 = 1e6;
 
+/// Sensors lie within this many degC, and so do their reference temperatures.
+const TEMPERATURES: (f64, f64) = (-80.0, 150.0);
+
 /// Reads and checks the calibration in `path`; also gives the document as a whole.
 pub(crate) fn read(path: &Path) -> Result<(Calibrated, Value)> {
     let at = path.display();
@@ -85,7 +88,19 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Calibrated, Value), Fault> {
         let problem = format!("`{} {}` of {filter} is missing", info.block, info.component);
         return Err(fault("parameters", problem, "every parameter of the filter must be there"));
     }
-    Ok((Calibrated { filter: chosen, values }, document))
+    let reference_temperature = match document.get("reference_temperature_c") {
+        None | Some(Value::Null) => None,
+        Some(Value::Number(number)) => number.as_f64(),
+        other => return Err(wrong("reference_temperature_c", other, "a temperature in degC")),
+    };
+    if let Some(degrees) = reference_temperature.filter(|t| !(TEMPERATURES.0..=TEMPERATURES.1).contains(t)) {
+        let problem = format!(
+            "is {degrees}, a temperature from {} to {} degC was expected",
+            TEMPERATURES.0, TEMPERATURES.1
+        );
+        return Err(fault("reference_temperature_c", problem, "where the temperature effects vanish"));
+    }
+    Ok((Calibrated { filter: chosen, values, reference_temperature }, document))
 }
 
 /// A list of names, empty where there is none.

@@ -35,10 +35,12 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
-        let target = self.results.target()?;
+        let mut target = self.results.target()?;
         let filter = self.filter.filter()?;
         let filter = &*filter;
-        let log = self.log.open()?;
+        let log = self.log.open_for(filter)?;
+        target.reads_log(&log)?;
+        self.filter.change.files().try_for_each(|path| target.reads(path))?;
         let setup = setup::of(&log, setup::initial(&log)?);
         let source = Source::new(&log, "observing");
         let analysis = observe(filter, &source, &setup).map_err(|error| fault(&log, error))?;

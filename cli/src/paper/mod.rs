@@ -71,7 +71,8 @@ struct Findings {
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let started = Instant::now();
-        let target = self.results.target()?;
+        let mut target = self.results.target()?;
+        [&self.drawn.scenario, &self.swing].into_iter().flatten().try_for_each(|path| target.reads(path))?;
         let plan = Plan {
             scenario: self.drawn.load()?,
             filters: paper()?,

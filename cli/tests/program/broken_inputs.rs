@@ -57,7 +57,7 @@ fn descriptions() -> Vec<Case> {
         (Toml("[imu]", "[[imu]]"), &["field `imu`: is an array, a table was expected"]),
         (
             Toml("latitude_deg = 32.06", "latitude_deg = 91.0"),
-            &["line 5, field `site.latitude_deg`", "from -90 to 90"],
+            &["line 5, field `site.latitude_deg`", "from -89.9 to 89.9"],
         ),
         (Toml("longitude_deg = 118.8", "longitude_deg = inf"), &["line 6, field `site.longitude_deg`"]),
         (Toml("height_m = 20.0\n", ""), &["field `site.height_m`: is missing"]),

@@ -158,6 +158,49 @@ fn killed_runs_leave_nothing_and_change_nothing() -> Done {
     Ok(())
 }
 
+/// Told to stop while a file is being written, a program leaves none behind and ends as others do; what it was started to ignore it
+/// ignores.
+#[cfg(target_os = "linux")]
+#[test]
+fn signals_leave_no_half_written_file() -> Done {
+    use std::os::unix::process::{CommandExt, ExitStatusExt};
+
+    let parts = |folder: &Path| -> Result<usize, Box<dyn std::error::Error>> {
+        Ok(contents(folder)?.keys().filter(|name| name.ends_with(".part")).count())
+    };
+    let simulate = "simulate --out log";
+    for (name, number) in [("INT", 2), ("TERM", 15), ("HUP", 1)] {
+        for ignored in [false, true] {
+            let folder = tempfile::tempdir()?;
+            let trap = if ignored { format!("trap '' {name};") } else { String::new() };
+            let script = format!("{trap} exec \"$0\" {simulate}");
+            let mut child = Command::new("sh")
+                .args(["-c", &script, env!("CARGO_BIN_EXE_sinscal")])
+                .current_dir(folder.path())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .process_group(0)
+                .spawn()?;
+            while parts(folder.path())? == 0 {
+                assert!(child.try_wait()?.is_none(), "{name}: it ended before anything was seen of it");
+                thread::sleep(Duration::from_millis(1));
+            }
+            assert!(
+                Command::new("kill").arg(format!("-{name}")).arg(child.id().to_string()).status()?.success()
+            );
+            let status = child.wait()?;
+            if ignored {
+                assert!(status.success() && folder.path().join("log.parquet").exists(), "{name}: {status}");
+            } else {
+                assert_eq!(status.signal(), Some(number), "{name}: {status}");
+                assert_eq!(parts(folder.path())?, 0, "{name}");
+                assert!(!folder.path().join("log.parquet").exists());
+            }
+        }
+    }
+    Ok(())
+}
+
 /// A second campaign is refused while the first is at work in the folder; shards share it.
 #[test]
 fn two_campaigns_do_not_share_a_folder_but_shards_do() -> Done {

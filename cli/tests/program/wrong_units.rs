@@ -200,7 +200,7 @@ fn orders_and_places() -> Done {
                 "latitude_deg = 32.06\nlongitude_deg = 118.8",
                 "latitude_deg = 118.8\nlongitude_deg = 32.06",
             ),
-            &["field `site.latitude_deg`: is 118.8", "from -90 to 90"],
+            &["field `site.latitude_deg`: is 118.8", "from -89.9 to 89.9"],
         ),
         (
             Toml("latitude_deg = 32.06\nlongitude_deg = 118.8", "latitude_deg = 70.0\nlongitude_deg = 32.06"),

@@ -5,8 +5,8 @@ use core::fmt;
 use nalgebra::Vector3;
 use rig::scenario::{Path, Population};
 use rig::{DitherMode, Scenario, ScenarioError, Simulation, TemperatureProfile};
-use runs::{AnyFilter, Vocabulary};
-use sinscal::{Sample, any_effect};
+use runs::Vocabulary;
+use sinscal::{PAPER, Sample, any_effect};
 
 use super::Grade;
 use crate::random::Stream;
@@ -149,7 +149,7 @@ impl Case {
         };
         let mut stream = Stream::new(seed, "blind/base");
         let bases: Vec<&'static str> =
-            bases().into_iter().filter(|base| lacks(base, hidden.names())).collect();
+            PAPER.iter().copied().filter(|base| lacks(base, hidden.names())).collect();
         Self::with(seed, bases[stream.below(bases.len())], hidden)
     }
 
@@ -272,17 +272,6 @@ impl Case {
         (sum.1 > 0).then_some(sum)
     }
 }
-
-/// Filters that are diagnosed: those of the paper, with velocity and position of a fixed point.
-fn bases() -> Vec<&'static str> {
-    let vocabulary = Vocabulary::standard();
-    let of_the_paper =
-        |filter: &&std::sync::Arc<dyn AnyFilter>| PAPER.iter().any(|end| filter.name().ends_with(end));
-    vocabulary.filters().filter(of_the_paper).map(|filter| filter.name()).collect()
-}
-
-/// How the names of the paper's filters end.
-const PAPER: [&str; 2] = ["d-p", "d-b"];
 
 /// Whether a filter has an effect.
 fn has(filter: &str, effect: &str) -> bool {

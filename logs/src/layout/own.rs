@@ -13,7 +13,9 @@ impl<'a> Search<'a> {
         let variables: &'a [Variable] = self.variables;
         for (index, variable) in variables.iter().enumerate() {
             let name = self.names[index].stem().to_owned();
-            let slot = NAMES.iter().position(|known| *known == name);
+            let own = || self.asked.own.iter().position(|own| *own == name || *own == variable.name);
+            let slot =
+                NAMES.iter().position(|known| *known == name).or_else(|| own().map(|k| Group::own(k).first));
             let group = match slot {
                 Some(first) => Some(Group { first, len: 1 }),
                 None => whole(&name).filter(|group| self.holds == Holds::Arrays || group.may_be_shared()),

@@ -18,6 +18,18 @@ pub struct Fault {
     pub span: Option<Range<usize>>,
 }
 
+/// So many faults found together are told: whoever mends a scenario begins with the first of them.
+pub(super) const TOLD: usize = 20;
+
+/// As many faults as are told, with a remark where there were more.
+pub(super) fn told(mut faults: Vec<Fault>) -> Vec<Fault> {
+    if faults.len() >= TOLD {
+        faults.truncate(TOLD);
+        faults.push(Fault::new("", "there may be more faults like these", ""));
+    }
+    faults
+}
+
 impl Fault {
     pub(crate) fn new(
         field: impl Into<String>,

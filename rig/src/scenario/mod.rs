@@ -248,7 +248,7 @@ impl Scenario {
     /// # Errors
     /// With everything that is wrong.
     pub fn check(&self) -> Result<(), ScenarioError> {
-        let faults = check::check(self);
+        let faults = fault::told(check::check(self));
         if faults.is_empty() { Ok(()) } else { Err(ScenarioError { faults }) }
     }
 

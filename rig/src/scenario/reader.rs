@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::fault::Fault;
+use super::fault::{Fault, TOLD};
 use logs::suggest;
 use logs::units::{self, Units};
 
@@ -76,7 +76,16 @@ impl<'t> Reader<'t> {
         Self { text, user, fallback, faults: Vec::new() }
     }
 
+    /// Whether as many faults were found as are told: more are not looked for.
+    pub(super) fn is_full(&self) -> bool {
+        self.faults.len() >= TOLD
+    }
+
+    /// Notes a fault of a value.
     pub(super) fn refuse(&mut self, entry: &Entry<'_>, problem: &str, accepted: impl Into<String>) {
+        if self.is_full() {
+            return;
+        }
         let fault = Fault::new(&*entry.field, problem, accepted).at(self.text, entry.value.span());
         self.faults.push(fault);
     }
@@ -84,6 +93,9 @@ impl<'t> Reader<'t> {
     /// Refuses names outside `known`.
     pub(super) fn only(&mut self, table: &DeTable<'_>, within: &str, known: &[&str]) {
         for key in table.keys() {
+            if self.is_full() {
+                break;
+            }
             let name = key.get_ref().as_ref();
             if !known.contains(&name) {
                 let field = if within.is_empty() { name.to_owned() } else { format!("{within}.{name}") };
@@ -173,6 +185,9 @@ impl<'t> Reader<'t> {
 
     /// The quantity in an entry.
     pub(super) fn value(&mut self, entry: &Entry<'t>, units: Units, must: Must) -> Option<f64> {
+        if self.is_full() {
+            return None;
+        }
         let value = match entry.value.get_ref() {
             DeValue::String(text) => match units::read(text, units) {
                 Ok(value) => value,
@@ -246,7 +261,7 @@ impl<'t> Reader<'t> {
     pub(super) fn choice(&mut self, entry: &Entry<'t>, accepted: &[&str]) -> Option<usize> {
         let found = entry.value.get_ref().as_str();
         let place = found.and_then(|word| accepted.iter().position(|known| *known == word));
-        if place.is_none() {
+        if place.is_none() && !self.is_full() {
             let problem =
                 found.map_or_else(|| "is not a word in quotes".to_owned(), |word| format!("is \"{word}\""));
             let accepted = suggest::accepted(found.unwrap_or_default(), accepted.iter().copied());

@@ -7,7 +7,7 @@ mod surroundings;
 use sinscal::{AnyEffect, Site};
 use toml::de::DeTable;
 
-use super::fault::{Fault, ScenarioError};
+use super::fault::{Fault, ScenarioError, told};
 use super::reader::{Must, Reader, as_table};
 use super::{DEFAULT_SCENARIO, InitialPlan, ReferencePlan, Scenario};
 use crate::noise::NoiseFigures;
@@ -44,9 +44,9 @@ pub(super) fn parse(text: &str, own: &[&'static dyn AnyEffect]) -> Result<Scenar
     let fallback = DeTable::parse(DEFAULT_SCENARIO).map_err(|error| not_toml(DEFAULT_SCENARIO, &error))?;
     let mut reader = Reader::new(text, user.get_ref(), fallback.get_ref());
     let scenario = read(&mut reader, own);
-    let mut faults = reader.faults;
+    let mut faults = told(reader.faults);
     if let Some(scenario) = scenario.filter(|_| faults.is_empty()) {
-        faults = super::check::check(&scenario);
+        faults = told(super::check::check(&scenario));
         if faults.is_empty() {
             return Ok(scenario);
         }

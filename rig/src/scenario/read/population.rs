@@ -13,6 +13,9 @@ pub(super) fn population(r: &mut Reader<'_>, own: &[&'static dyn AnyEffect]) -> 
     let known = || CATALOGUE.iter().chain(own).copied();
     let mut populations = Vec::new();
     for (name, entry) in r.whole("population") {
+        if r.is_full() {
+            break;
+        }
         let Some(effect) = known().find(|effect| effect.name() == name) else {
             r.refuse(&entry, "is not an effect", suggest::accepted(name, known().map(<dyn AnyEffect>::name)));
             continue;
