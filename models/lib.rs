@@ -223,5 +223,6 @@ mod guide {
     #[doc = include_str!("../docs/guide/06-find-what-is-missing.md")]
     #[doc = include_str!("../docs/guide/07-embed-the-filter.md")]
     #[doc = include_str!("../docs/guide/08-mathematics.md")]
+    #[doc = include_str!("../docs/guide/11-your-own-project.md")]
     struct Guide;
 }

@@ -33,7 +33,7 @@ fn catalogue() -> BTreeSet<String> {
 fn every_block_is_in_the_catalogue_with_its_table_and_its_derivation() {
     let blocks: BTreeSet<String> =
         stems("models/blocks", "rs").into_iter().filter(|name| !OTHERS.contains(&name.as_str())).collect();
-    assert_eq!(blocks, catalogue(), "blocks and the catalogue in models/effects.rs");
+    assert_eq!(blocks, catalogue(), "blocks and the catalogue in models/effects/catalogue.rs");
     let tables: BTreeSet<String> =
         stems("models/tables", "toml").into_iter().filter(|name| !name.starts_with(DYNAMICS)).collect();
     assert_eq!(tables, catalogue(), "tables and the catalogue");

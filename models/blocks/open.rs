@@ -196,7 +196,9 @@ fn sound(block: &dyn AnyBlock) -> bool {
     let dim = block.dim();
     let (mut described, mut sound) = (0, true);
     block.states(&mut |_| described += 1);
-    block.input_jacobian(&Signals::default(), &mut |input, state, _| sound &= input < 6 && state < dim);
+    block.input_jacobian(&Signals::default(), &mut |input, state, _| {
+        sound &= input < Strapdown::INPUTS && state < dim
+    });
     block.measurement_jacobian(&Point::default(), &mut |channel, state, _| {
         sound &= channel < Strapdown::CHANNELS && state < dim
     });
@@ -253,7 +255,9 @@ impl Display for OpenError {
             Fault::Unsound => write!(
                 f,
                 "`{name}` describes another number of states than its `DIM`, or puts an entry outside of its states, \
-                 of the 6 inputs or of the 9 channels"
+                 of the {} inputs or of the {} channels",
+                Strapdown::INPUTS,
+                Strapdown::CHANNELS
             ),
         }
     }

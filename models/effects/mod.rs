@@ -32,6 +32,7 @@ use crate::{Point, Signals, Strapdown};
 /// impl Block for MountSoftness {
 ///     type Dynamics = Strapdown;
 ///     type View<'a, T: Real> = BlockView<'a, Self, T>;
+///     const NAME: &'static str = "mount-softness";
 ///     const DIM: usize = 3;
 ///
 ///     fn states(visit: &mut dyn FnMut(StateInfo)) {

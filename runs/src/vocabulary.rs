@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use calib_core::{Filter, Sizes};
-use sinscal::{AnyEffect, CATALOGUE, Effect, FILTERS, FilterInfo, FilterVisitor, Strapdown, visit_filter};
+use sinscal::{
+    AnyEffect, CATALOGUE, Effect, FILTERS, Fault, FilterInfo, FilterVisitor, Strapdown, probe, visit_filter,
+};
 
 use crate::Error;
 use crate::compose::Composition;
@@ -18,12 +20,14 @@ const PASSES: u32 = 3;
 pub struct Vocabulary {
     filters: Vec<Arc<dyn AnyFilter>>,
     effects: Vec<&'static dyn AnyEffect>,
+    /// What is wrong with a filter that was added.
+    faults: Vec<Fault>,
 }
 
 impl Vocabulary {
     /// Nothing.
     pub const fn empty() -> Self {
-        Self { filters: Vec::new(), effects: Vec::new() }
+        Self { filters: Vec::new(), effects: Vec::new(), faults: Vec::new() }
     }
 
     /// The filters and effects of the library.
@@ -50,6 +54,7 @@ impl Vocabulary {
         passes: u32,
         about: &'static str,
     ) -> Self {
+        self.faults.extend(probe::<F>().err());
         self.filters.retain(|filter| filter.name() != F::NAME);
         self.filters.push(Arc::new(Declared::<F>::new(passes, about)));
         self
@@ -58,6 +63,11 @@ impl Vocabulary {
     /// And filter `F`.
     pub fn with_filter<F: Filter<Dynamics = Strapdown, Shape: Sizes>>(self) -> Self {
         self.declared::<F>(PASSES, "declared by this program")
+    }
+
+    /// Blocks of added filters that contradict themselves: such a filter cannot be run.
+    pub fn faults(&self) -> &[Fault] {
+        &self.faults
     }
 
     /// Every filter, in the order in which they were added.
