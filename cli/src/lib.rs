@@ -136,7 +136,7 @@ impl Program {
     /// Does what the command line says: exit code 0 when the work was done, 1 for bad input or a failed run, 2 for bad usage.
     pub fn run(self) -> ExitCode {
         if let Some(fault) = self.vocabulary.faults().first() {
-            say::error(&format!("this program's own filter: {fault}"));
+            say::error(&format!("this program's own filter: {fault}"), false);
             return ExitCode::from(1);
         }
         vocabulary::set(self.vocabulary);

@@ -51,7 +51,8 @@ fn measures(declaration: &Declaration, errors: &mut Errors) {
         let Measured::Ours(name) = measured else { continue };
         match Measured::named(name) {
             Err(words) => errors.at(name, words),
-            Ok(ty) if declaration.attrs.krate.is_some() => errors.at(
+            // without dynamics that is what is wrong, and is told
+            Ok(ty) if declaration.attrs.krate.is_some() && declaration.attrs.dynamics.is_some() => errors.at(
                 name,
                 format_args!(
                     "with `crate` measurements are named by their types, `sinscal::measurements::{ty}`"

@@ -8,7 +8,7 @@ use reports::Inputs;
 use rig::scenario::{Path, Population};
 use rig::{Description, DitherMode, Scenario, Simulation, TemperatureProfile, Truth};
 use runs::{AnyFilter, Calibrated, Flight, Options, Outcome, calibrate, navigate};
-use sinscal::{AnyEffect, DitherSizeEffect, Effect as _, InnerLeverArm, Sample};
+use sinscal::{AnyEffect, DitherSizeEffect, Effect as _, InnerLeverArm, PAPER, Sample};
 use study::Plan;
 
 use crate::compose::compose;
@@ -55,18 +55,18 @@ pub(super) struct Story {
     pub(super) after: Option<Fit>,
 }
 
-/// Names of the effects that can be hidden: those that some filter of a turntable lacks.
+/// Names of the effects that can be hidden: those that some filter of the paper lacks.
 pub(super) fn hideable() -> Vec<&'static str> {
     let lacked = |effect: &&&'static dyn AnyEffect| base_for(**effect).is_some();
     vocabulary().effects().iter().filter(lacked).map(|effect| effect.name()).collect()
 }
 
-/// The first filter of a turntable that lacks an effect; dither acts through inner lever arms, so the filter that lacks it knows
+/// The first filter of the paper that lacks an effect; dither acts through inner lever arms, so the filter that lacks it knows
 /// those.
 fn base_for(effect: &'static dyn AnyEffect) -> Option<Arc<dyn AnyFilter>> {
     let dithers = effect.id() == <dyn AnyEffect>::of::<DitherSizeEffect>().id();
     let lacks = |filter: &&Arc<dyn AnyFilter>| {
-        filter.measures() == ["velocity", "position"]
+        PAPER.contains(&filter.name())
             && !names(&***filter).contains(&effect.name())
             && (!dithers || filter.blocks().iter().any(|leaf| leaf.is::<InnerLeverArm>()))
     };
@@ -82,7 +82,7 @@ impl Story {
     /// Draws unit `seed`, hides the effect called `hide` in it, and looks for it.
     pub(super) fn tell(seed: u64, hide: &str) -> Result<Self> {
         let hidden = vocabulary().effect(hide).map_err(|error| miette!("{error}"))?;
-        let base = base_for(hidden).ok_or_else(|| miette!("every filter of a turntable has {hide}"))?;
+        let base = base_for(hidden).ok_or_else(|| miette!("every filter of the paper has {hide}"))?;
         let scenario = scenario(hidden, &*base)?;
         let bar = say::progress_bar(100, "simulating");
         let first = Run::new(&scenario, seed)?;
