@@ -192,7 +192,7 @@ impl<'a> Setup<'a> {
         let (site, initial, noise) = (&self.site, &self.initial, &self.noise);
         let vector = |v: &Vector3<f64>| v.iter().fold(0.0, |sum: f64, x| sum + x);
         let norm = initial.attitude.as_ref().norm();
-        let numbers: [(&str, f64, fn(f64) -> bool, &str); 17] = [
+        let numbers: [Rule; 17] = [
             ("rate", self.rate, |x| x > 0.0, "positive"),
             ("site.latitude", site.latitude, |x| x.abs() <= PI / 2.0, "within a quarter turn, in rad"),
             ("site.longitude", site.longitude, |_| true, "a number"),
@@ -246,6 +246,9 @@ impl<'a> Setup<'a> {
         }
     }
 }
+
+/// A field of the setup: its name, its value, whether the value will do, and what would be right.
+type Rule = (&'static str, f64, fn(f64) -> bool, &'static str);
 
 fn named(list: &[(&str, f64)], name: &str) -> Option<f64> {
     list.iter().find(|(named, _)| *named == name).map(|(_, value)| *value)
