@@ -73,7 +73,8 @@ pub fn observe(filter: &dyn AnyFilter, samples: &dyn Samples, setup: &Setup) -> 
     let mut analysis = filter.observe(samples, setup)?;
     if analysis.dithers
         && !filter.needs_dither()
-        && let Ok(with_dither) = Composition::new(filter, &[<dyn AnyEffect>::of::<DitherSizeEffect>()])
+        && let Ok(with_dither) =
+            Composition::with_states_for(filter, &[<dyn AnyEffect>::of::<DitherSizeEffect>()])
     {
         let dither = |direction: &Direction| {
             direction.terms.iter().any(|(info, _)| info.block == DitherSizeEffect::NAME)
