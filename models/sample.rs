@@ -48,6 +48,10 @@ pub struct Reference {
     pub own: [f64; OWN],
     /// Standard deviations of these readings.
     pub sigma: ReadingSigma,
+    /// Velocity that the increments since the reading before may have missed, per component, one standard deviation, m/s; zero where
+    /// they are believed. A unit that was turned by hand and rests again: what its increments make of the turn closes to some 0.1 m/s
+    /// only, and the velocity begins anew.
+    pub forgotten: f64,
 }
 
 /// Standard deviations that the readings of one instant state themselves; NaN, the default, leaves it to the [`Setup`].
@@ -81,6 +85,7 @@ impl Default for Reference {
             heading: None,
             own: [f64::NAN; OWN],
             sigma: ReadingSigma::default(),
+            forgotten: 0.0,
         }
     }
 }

@@ -58,6 +58,8 @@ pub struct Calibration<F: Filter<Dynamics = Strapdown>, C: Form = Conventional> 
     next_update: f64,
     step: Step,
     turned: Turned,
+    /// What readings since the last update say is forgotten of the velocity, m/s.
+    forgotten: f64,
     gate: Gate,
     readings: Readings<F>,
     /// Where the error model was last linearised.
@@ -190,6 +192,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             next_update: f64::NEG_INFINITY,
             step: Step::EMPTY,
             turned: Turned::NOTHING,
+            forgotten: 0.0,
             gate: Gate::new(F::MEASURES),
             readings: Readings::new(setup),
             at: Point::default(),
@@ -228,6 +231,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         self.next_update = f64::NEG_INFINITY;
         self.step = Step::EMPTY;
         self.turned = Turned::NOTHING;
+        self.forgotten = 0.0;
         self.gate = self.gate.again();
         self.statistics = Statistics::default();
     }
@@ -307,6 +311,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             None => self.turned = Turned::NOTHING,
         }
 
+        self.forgotten = self.forgotten.max(sample.reference.forgotten);
         let wanted = sample.time >= self.next_update;
         let residuals_due = wanted && sample.reference.is_read();
         if !residuals_due && self.transition.elapsed() + self.step.elapsed < PREDICT_TIME {

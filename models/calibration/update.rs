@@ -1,6 +1,6 @@
 //! What happens when the reference speaks: residuals, gate, update.
 
-use calib_core::{Array, Dynamics, Filter, Form, MeasurementVector, Residuals, Shape};
+use calib_core::{Array, CoreVector, Dynamics, Filter, Form, MeasurementVector, Residuals, Shape};
 use nalgebra::{ComplexField, Rotation3, Vector3};
 
 use super::{Calibration, Turned};
@@ -34,6 +34,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             return Ok(None);
         }
         // half a sample of slack, so that rounding of the time stamps does not skip a reading
+        self.forget(observer);
         self.next_update = sample.time + 1.0 / self.setup.update_rate - 0.5 / self.setup.rate;
         self.turned = Turned::NOTHING;
         let repeated = self.repeats(&sample.reference, &mut residuals);
@@ -134,6 +135,16 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         Ok(rejected)
     }
 
+    /// Opens the velocity by what is forgotten of it.
+    fn forget(&mut self, observer: &mut impl Observer<F>) {
+        let forgotten = core::mem::take(&mut self.forgotten);
+        if forgotten > 0.0 {
+            let mut variances = F::Shape::core_vector(0.0);
+            (3..6).for_each(|state| variances[state] = forgotten * forgotten);
+            self.widen(&variances, observer);
+        }
+    }
+
     /// Opens the leading states that a measurement sees as wide as they were at the first sample.
     fn open(&mut self, measured: usize, at: &Point<f64>, observer: &mut impl Observer<F>) {
         let mut variances = F::Shape::core_vector(0.0);
@@ -143,11 +154,15 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
                 variances[state] = prior[state] * prior[state];
             }
         });
-        self.kalman.widen(&variances);
+        self.widen(&variances, observer);
+    }
+
+    fn widen(&mut self, variances: &CoreVector<F, f64>, observer: &mut impl Observer<F>) {
+        self.kalman.widen(variances);
         if let Some(pilot) = &mut self.pilot {
-            pilot.widen(&variances);
+            pilot.widen(variances);
         }
-        observer.observe::<C>(Event::Widened(&variances));
+        observer.observe::<C>(Event::Widened(variances));
         observer.observe(Event::Moved(&self.kalman));
     }
 
