@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use sinscal::{Reference, Sample, earth};
+use sinscal::{Missed, Reference, Sample, earth};
 
 use super::columns::Group;
 use super::description::ReferenceKind;
@@ -14,9 +14,11 @@ use super::{Log, MEASURED_RATE, noise_warning};
 
 const DEG_PER_HOUR: f64 = DEGREE / 3600.0;
 
-/// Velocity that is forgotten between rests, m/s: increments of a turn by hand close to 0.1 to 0.5 m/s.
-const FORGOTTEN: f64 = 1.0;
-/// Without a reading for so long, s, and not at rest all the while, the velocity is forgotten.
+/// What the increments of a turn by hand miss: they close to 0.1 to 0.5 m/s, and to 0.05 deg and some thousandth of the angle.
+const MISSED_VELOCITY: f64 = 1.0;
+const MISSED_ATTITUDE: f64 = 0.05 * DEGREE;
+const MISSED_OF_ANGLE: f64 = 1e-3;
+/// Without a reading for so long, s, and not at rest all the while, the unit was moved.
 const APART: f64 = 0.3;
 /// At both ends of a rest so much is left out, s: there it begins and ends.
 const EDGE: f64 = 0.2;
@@ -69,14 +71,15 @@ pub(super) struct AtRest {
 pub(super) struct Referee {
     instead: Instead,
     row: u64,
-    /// Time of the last reading, and whether the unit was at rest ever since.
+    /// Time of the last reading, whether the unit was at rest ever since, and how far it has turned.
     read: Option<f64>,
     rested: bool,
+    turned: f64,
 }
 
 impl Referee {
     pub(super) fn new(instead: Instead) -> Self {
-        Self { instead, row: 0, read: None, rested: true }
+        Self { instead, row: 0, read: None, rested: true, turned: 0.0 }
     }
 
     /// Takes in the next sample; `false` when it is not used.
@@ -100,11 +103,13 @@ impl Referee {
             sample.reference.sigma.rate = Vector3::repeat(sigma);
         }
         self.rested &= sigma.is_some();
+        self.turned += sample.dtheta.norm();
         if sample.reference.velocity.is_some() {
             if !self.rested && self.read.is_none_or(|read| sample.time - read > APART) {
-                sample.reference.forgotten = FORGOTTEN;
+                let attitude = MISSED_ATTITUDE + MISSED_OF_ANGLE * self.turned;
+                sample.reference.missed = Missed { attitude, velocity: MISSED_VELOCITY };
             }
-            (self.read, self.rested) = (Some(sample.time), true);
+            (self.read, self.rested, self.turned) = (Some(sample.time), true, 0.0);
         }
         self.row >= at_rest.first_row
     }
@@ -304,12 +309,14 @@ impl Log {
         let times: Vec<String> =
             rests.iter().map(|rest| format!("{:.1}-{:.1}", rest.start_s, rest.end_s)).collect();
         self.assumed.push(format!(
-            "the unit is at rest {} times, at {} s: there its velocity is zero within {} m/s and its rate within {:.0} deg/h; between \
-             rests velocity is forgotten ({FORGOTTEN} m/s)",
+            "the unit is at rest {} times, at {} s: there its velocity is zero within {} m/s and its rate within {:.0} deg/h; what \
+             the increments make of the motion between is believed to {MISSED_VELOCITY} m/s and to {:.2} deg and {:.1} % of the angle",
             rests.len(),
             times.join(", "),
             self.description.reference.velocity,
-            spread / DEG_PER_HOUR
+            spread / DEG_PER_HOUR,
+            MISSED_ATTITUDE / DEGREE,
+            100.0 * MISSED_OF_ANGLE
         ));
         if free {
             self.assumed.push(format!(

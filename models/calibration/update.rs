@@ -7,7 +7,7 @@ use super::{Calibration, Turned};
 use crate::gate::Verdict;
 use crate::measurements::channel;
 use crate::outcome::{Diverged, Update};
-use crate::{Event, Observer, Point, Reference, Refusal, Sample, Signals, Strapdown};
+use crate::{Event, Missed, Observer, Point, Reference, Refusal, Sample, Signals, Strapdown};
 
 /// A rate carried on to the end of its interval is as noisy as the mean over so much of it: the squares of 3/2 and 1/2 make 5/2.
 const CARRIED_ON: f64 = 0.4;
@@ -34,7 +34,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             return Ok(None);
         }
         // half a sample of slack, so that rounding of the time stamps does not skip a reading
-        self.forget(observer);
+        self.open_missed(observer);
         self.next_update = sample.time + 1.0 / self.setup.update_rate - 0.5 / self.setup.rate;
         self.turned = Turned::NOTHING;
         let repeated = self.repeats(&sample.reference, &mut residuals);
@@ -135,12 +135,15 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         Ok(rejected)
     }
 
-    /// Opens the velocity by what is forgotten of it.
-    fn forget(&mut self, observer: &mut impl Observer<F>) {
-        let forgotten = core::mem::take(&mut self.forgotten);
-        if forgotten > 0.0 {
+    /// Opens attitude and velocity by what the increments have missed.
+    fn open_missed(&mut self, observer: &mut impl Observer<F>) {
+        let missed = core::mem::take(&mut self.missed);
+        if missed != Missed::default() {
             let mut variances = F::Shape::core_vector(0.0);
-            (3..6).for_each(|state| variances[state] = forgotten * forgotten);
+            for axis in 0..3 {
+                variances[axis] = missed.attitude * missed.attitude;
+                variances[3 + axis] = missed.velocity * missed.velocity;
+            }
             self.widen(&variances, observer);
         }
     }
