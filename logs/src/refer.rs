@@ -327,3 +327,6 @@ impl Log {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
