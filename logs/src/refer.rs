@@ -93,6 +93,9 @@ impl Referee {
             }
             Instead::Rests(at_rest) => at_rest,
         };
+        if self.row < at_rest.first_row {
+            return false;
+        }
         if !at_rest.columns {
             sample.reference = Reference::default();
         }
@@ -111,7 +114,7 @@ impl Referee {
             }
             (self.read, self.rested, self.turned) = (Some(sample.time), true, 0.0);
         }
-        self.row >= at_rest.first_row
+        true
     }
 }
 

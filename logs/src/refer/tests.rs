@@ -18,18 +18,22 @@ fn carried() -> Table {
         let time = row as f64 / RATE;
         time < 1.0 || (11.0..14.0).contains(&time) || time > 24.0
     };
-    let noise = |row: usize, size: f64| size * ((row * 7919 % 10007) as f64 / 5003.0 - 1.0);
+    let noise = |row: usize, size: f64| {
+        let bits = (row as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let bits = (bits ^ (bits >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        size * ((bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
+    };
     let mut table = Table::at_rest(1300);
     table.drop("ref_*");
     for (axis, name) in ["dtheta_x", "dtheta_y", "dtheta_z"].into_iter().enumerate() {
         let wave = |row: usize| if moves(row) { 0.02 * (row as f64 * 0.11).sin() } else { 0.0 };
-        table.map(name, |row, value| value + 4e-4 + wave(row) + noise(row + 100 * axis, 4e-5));
+        table.map(name, |row, value| value + 4e-4 + wave(row) + noise(row + 10_000 * axis, 4e-5));
     }
     for (axis, name) in ["dvel_x", "dvel_y", "dvel_z"].into_iter().enumerate() {
         let wave = |row: usize| if moves(row) { 0.03 * (row as f64 * 0.23).sin() } else { 0.0 };
         let over = if axis == 1 { 9.7946 / RATE } else { 0.0 };
         table.map(name, |row, value| {
-            (if row > 600 { over } else { value }) + wave(row) + noise(row + 100 * axis, 4e-4)
+            (if row > 600 { over } else { value }) + wave(row) + noise(row + 50_000 + 10_000 * axis, 4e-4)
         });
     }
     table
@@ -157,8 +161,12 @@ fn the_description_goes_before_and_what_cannot_be_is_refused() -> Done {
     assert!(refused(&carried(), MEMS, &["position", "attitude"]).contains("the filter measures attitude"));
     assert!(refused(&carried(), &kind("readings"), HAND).contains("`readings`"));
     let mut shaken = carried();
-    shaken.map("dvel_x", |row, value| value + 0.2 * (row as f64 * 0.9).sin());
-    shaken.map("dtheta_x", |row, value| value + 0.05 * (row as f64 * 0.7).sin() * (row as f64 * 0.013).sin());
-    assert!(refused(&shaken, MEMS, HAND).contains("rests nowhere"));
+    for (name, rate, size) in
+        [("dtheta_x", 7.0, 0.01), ("dtheta_y", 11.0, 0.01), ("dvel_x", 5.0, 0.04), ("dvel_y", 3.0, 0.04)]
+    {
+        shaken.map(name, |row, value| value + size * (rate * row as f64 / RATE).sin());
+    }
+    let problem = refused(&shaken, MEMS, HAND);
+    assert!(problem.contains("rests nowhere"), "{problem}");
     Ok(())
 }
