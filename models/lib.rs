@@ -190,7 +190,7 @@ pub use innovations::{ChannelInnovations, Innovations};
 pub use measurements::channel;
 pub use observer::{Event, Observer, Refusal};
 pub use outcome::{Diverged, Parameter, Statistics, Update};
-pub use sample::{OWN, ReadingSigma, Reference, Sample, own_columns};
+pub use sample::{Missed, OWN, ReadingSigma, Reference, Sample, own_columns};
 pub use setup::{
     InitialAttitude, InitialVelocity, ReferenceSigma, SensorNoise, Setup, SetupError, Site, Word,
 };

@@ -33,7 +33,8 @@ pub enum Event<'a, F: Filter<Dynamics = Strapdown>, C: Form> {
         /// What is wrong with it.
         why: Refusal,
     },
-    /// These were added to the variances of the leading states: a reference that had been refused for long begins anew.
+    /// These were added to the variances of the leading states: a reference that had been refused for long begins anew, or one says
+    /// that what the increments made of the velocity is forgotten.
     Widened(&'a CoreVector<F, f64>),
     /// Residuals are about to be used.
     Measured {

@@ -48,6 +48,26 @@ pub struct Reference {
     pub own: [f64; OWN],
     /// Standard deviations of these readings.
     pub sigma: ReadingSigma,
+    /// What the increments since the reading before may have missed.
+    pub missed: Missed,
+}
+
+/// What the increments of a motion may have missed beside their noise, standard deviations per component in n; zero where they are
+/// believed. A unit that was turned by hand and rests again: what its increments make of the turn closes to some 0.1 m/s only, and to
+/// a thousandth of the angle. State and covariance are opened by so much before the reading is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Missed {
+    /// Of the attitude, rad.
+    pub attitude: f64,
+    /// Of the velocity, m/s.
+    pub velocity: f64,
+}
+
+impl Missed {
+    /// Both, the larger of each.
+    pub(crate) fn or(self, other: Self) -> Self {
+        Self { attitude: self.attitude.max(other.attitude), velocity: self.velocity.max(other.velocity) }
+    }
 }
 
 /// Standard deviations that the readings of one instant state themselves; NaN, the default, leaves it to the [`Setup`].
@@ -81,6 +101,7 @@ impl Default for Reference {
             heading: None,
             own: [f64::NAN; OWN],
             sigma: ReadingSigma::default(),
+            missed: Missed::default(),
         }
     }
 }
@@ -102,6 +123,13 @@ impl Default for ReadingSigma {
 }
 
 impl Reference {
+    /// Whether it says that the unit is at rest.
+    pub(crate) fn is_rest(&self) -> bool {
+        [self.velocity, self.rate]
+            .iter()
+            .all(|reading| reading.is_some_and(|reading| reading == Vector3::zeros()))
+    }
+
     /// Whether there is any reading.
     pub fn is_read(&self) -> bool {
         self.velocity.is_some()

@@ -85,6 +85,16 @@ pub struct InitialAttitude {
 }
 
 impl InitialAttitude {
+    /// Level by the mean specific force of a unit at rest (b, m/s^2), as far as accelerometers of that bias (m/s^2) tell, whatever the
+    /// heading.
+    pub fn at_rest(force: &Vector3<f64>, accel_bias_sigma: f64) -> Self {
+        // of the turns that lead straight up any will do where the force points straight down
+        let over = UnitQuaternion::from_scaled_axis(Vector3::x() * PI);
+        let attitude = UnitQuaternion::rotation_between(force, &Vector3::z()).unwrap_or(over);
+        let level_sigma = (accel_bias_sigma / force.norm()).clamp(PI / 180.0, PI);
+        Self { attitude, level_sigma, ..Self::unknown_heading() }
+    }
+
     /// Level within 1 deg, whatever the heading.
     pub fn unknown_heading() -> Self {
         Self { attitude: UnitQuaternion::identity(), level_sigma: PI / 180.0, heading_sigma: PI }

@@ -114,7 +114,7 @@ impl LogArgument {
 
     /// Opens it for what a filter measures.
     pub(crate) fn open_for(&self, filter: &dyn AnyFilter) -> Result<Log> {
-        open(&self.log, &self.columns.reading_for(filter))
+        open_for(&self.log, &self.columns, filter)
     }
 }
 
@@ -125,10 +125,19 @@ pub(crate) fn open(path: &Path, reading: &Reading) -> Result<Log> {
     Ok(log)
 }
 
+/// Opens a log for what a filter measures, and says what is odd about it and what is assumed.
+pub(crate) fn open_for(path: &Path, columns: &Columns, filter: &dyn AnyFilter) -> Result<Log> {
+    let mut log = Log::open(path, &columns.reading_for(filter))?;
+    log.refer(&filter.measures())?;
+    tell(&log);
+    Ok(log)
+}
+
 /// Says what is odd about a log.
 pub(crate) fn tell(log: &Log) {
     say::detail(|| format!("reading {}", log.table().display()));
     log.warnings().iter().for_each(|warning| say::warn(warning));
+    log.assumed().iter().for_each(|assumed| say::remark(&format!("assumed: {assumed}")));
 }
 
 /// What it is worked on with.

@@ -77,7 +77,7 @@ impl Arguments {
             _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, target),
         };
         let filter = &*filter;
-        let open = |log: &Path| arguments::open(log, &self.columns.reading_for(filter));
+        let open = |log: &Path| arguments::open_for(log, &self.columns, filter);
         let first = open(log)?;
         let second = self.verify.as_deref().map(open).transpose()?;
         self.change.files().try_for_each(|path| target.reads(path))?;

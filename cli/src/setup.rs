@@ -1,7 +1,7 @@
 //! What the library must know of a log before its first sample.
 
 use miette::{Result, miette};
-use sinscal::{Aligner, Coarse, InitialAttitude, Setup};
+use sinscal::{Aligner, Coarse, CoarseCalibration, CoarseError, InitialAttitude, Setup};
 
 use logs::Log;
 
@@ -24,6 +24,9 @@ pub(crate) fn initial(log: &Log) -> Result<InitialAttitude> {
         return Ok(initial);
     }
     let (gyro, accel) = (description.prior("gyro-bias"), description.prior("accel-bias"));
+    if let Some(rest) = log.rests().first() {
+        return Ok(InitialAttitude::at_rest(&rest.force.into(), accel));
+    }
     let mut aligner = Aligner::new(description.site, description.rate, description.noise, gyro, accel);
     for sample in log.samples()? {
         if !aligner.push(&sample?) {
@@ -33,19 +36,42 @@ pub(crate) fn initial(log: &Log) -> Result<InitialAttitude> {
     aligner.finish().map_err(|error| miette!("{}: {error}", log.table().display()))
 }
 
-/// Takes the errors out of a log that its own still positions and turns show, and finds the sizes of its pulses.
-pub(crate) fn coarse(log: &mut Log) -> Result<()> {
+/// So many prior sigmas from zero the error model may not be linear any more.
+const FAR: f64 = 1.0;
+
+/// [`coarse`] for a log that is referred to its rests, where these show errors beyond the priors; whether it was so.
+pub(crate) fn coarse_if_far(log: &mut Log) -> Result<bool> {
+    if log.rests().is_empty() {
+        return Ok(false);
+    }
+    let description = log.description();
+    let Ok(found) = find_coarse(log)? else { return Ok(false) };
+    let far = found.parameters().any(|parameter| {
+        parameter.determined && parameter.value.abs() > FAR * description.prior(parameter.name)
+    });
+    if far {
+        log.correct(found);
+    }
+    Ok(far)
+}
+
+fn find_coarse(log: &Log) -> Result<Result<CoarseCalibration, CoarseError>> {
     let description = log.description();
     let mut coarse = Coarse::new(description.site, description.rate, description.noise);
     for sample in log.samples()? {
         coarse.push(&sample?);
     }
-    let found = coarse.finish(log.unknown_pulses(), description.initial.as_ref());
-    let found =
-        found.map_err(|error| match log.lacking_scale(&format!("{error}; or give the sizes there")) {
+    Ok(coarse.finish(log.unknown_pulses(), description.initial.as_ref()))
+}
+
+/// Takes the errors out of a log that its own still positions and turns show, and finds the sizes of its pulses.
+pub(crate) fn coarse(log: &mut Log) -> Result<()> {
+    let found = find_coarse(log)?.map_err(|error| {
+        match log.lacking_scale(&format!("{error}; or give the sizes there")) {
             Some(fault) => fault.into(),
             None => miette!("{}: {error}", log.table().display()),
-        })?;
+        }
+    })?;
     log.correct(found);
     Ok(())
 }

@@ -49,6 +49,7 @@ mod npz;
 mod pages;
 mod parquet;
 mod reading;
+mod refer;
 mod rests;
 mod rows;
 mod stamp;
@@ -70,6 +71,7 @@ use sinscal::{CoarseCalibration, Sample, UnknownPulses};
 use self::columns::{Batch, Group};
 use self::join::Joiner;
 use self::layout::Part;
+use self::refer::{Instead, Referee};
 use self::rows::{Checker, Row};
 use self::still::Stillness;
 use self::table::{Known, Rows, Table};
@@ -104,7 +106,14 @@ pub struct Log {
     table: Table,
     /// The reference, where it has a file of its own.
     reference: Option<Table>,
-    fixed_point: bool,
+    /// Whether nothing is said about the observed point.
+    no_columns: bool,
+    /// What stands for readings.
+    instead: Option<Instead>,
+    /// What was assumed.
+    assumed: Vec<String>,
+    /// Effects whose priors are those of a class.
+    presumed: Vec<&'static str>,
     bridge: f64,
     unknown: UnknownPulses,
     coarse: Option<CoarseCalibration>,
@@ -168,9 +177,21 @@ impl Log {
             warnings.extend(table.notes.iter().map(|note| format!("{path}: {note}")));
             warnings.extend(table.unused().map(|unused| format!("{path}: not used: {unused}")));
         }
-        let fixed_point = rows::is_fixed_point(&has);
+        let no_columns = rows::is_fixed_point(&has);
         let bridge = reading.bridge.unwrap_or(0.0);
-        Ok(Self { description, table, reference, fixed_point, bridge, unknown, coarse: None, warnings })
+        Ok(Self {
+            description,
+            table,
+            reference,
+            no_columns,
+            instead: None,
+            assumed: Vec::new(),
+            presumed: Vec::new(),
+            bridge,
+            unknown,
+            coarse: None,
+            warnings,
+        })
     }
 
     /// Which pulses have unknown sizes.
@@ -214,7 +235,12 @@ impl Log {
 
     /// The reference is used at most this often, Hz.
     pub fn update_rate(&self) -> f64 {
-        if self.fixed_point { FIXED_POINT_RATE } else { MEASURED_RATE }
+        let fixed_point = match self.instead {
+            Some(Instead::FixedPoint) => true,
+            Some(Instead::Rests(_)) => false,
+            None => self.no_columns,
+        };
+        if fixed_point { FIXED_POINT_RATE } else { MEASURED_RATE }
     }
 
     /// Defaults in use that the reader of the results should know about.
@@ -266,6 +292,7 @@ impl Log {
             interval,
             bridge: self.bridge,
             coarse: self.coarse.clone(),
+            referee: self.instead.clone().map(Referee::new),
             gap: None,
             before: None,
             rates: self.table.rates(),
@@ -300,6 +327,7 @@ pub struct Samples {
     interval: f64,
     bridge: f64,
     coarse: Option<CoarseCalibration>,
+    referee: Option<Referee>,
     gap: Option<Gap>,
     /// Time, rate and specific force of the last row read.
     before: Option<(f64, Vector3<f64>, Vector3<f64>)>,
@@ -470,6 +498,22 @@ impl Iterator for Samples {
     type Item = Result<Sample, LogError>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let mut item = self.checked()?;
+            let used = match (&mut item, &mut self.referee) {
+                (Ok(sample), Some(referee)) => referee.refer(sample),
+                _ => true,
+            };
+            if used {
+                return Some(item);
+            }
+        }
+    }
+}
+
+impl Samples {
+    /// The next sample with what the columns say of the reference.
+    fn checked(&mut self) -> Option<Result<Sample, LogError>> {
         if self.ended {
             return None;
         }
@@ -541,8 +585,11 @@ fn warnings(description: &Description, has: &dyn Fn(Group) -> bool, path: &Path)
         ));
     }
     if !description.noise_given {
-        warnings
-            .push(format!("{path}: [noise] is not given, 0.001 deg/sqrt(h) and 5 ug/sqrt(Hz) are assumed"));
+        warnings.push(noise_warning(&path));
     }
     warnings
+}
+
+fn noise_warning(description: &std::path::Display<'_>) -> String {
+    format!("{description}: [noise] is not given, 0.001 deg/sqrt(h) and 5 ug/sqrt(Hz) are assumed")
 }

@@ -17,8 +17,8 @@ use crate::measurements::{self, Measurement, Readings};
 use crate::outcome::{Diverged, Statistics, Update};
 use crate::strapdown::{Before, Increments, NavigationState};
 use crate::{
-    Event, Observer, Open, OpenBlocks, OuterLeverArm, Point, Sample, Setup, SetupError, Signals, Strapdown,
-    earth, probe,
+    Event, Missed, Observer, Open, OpenBlocks, OuterLeverArm, Point, Sample, Setup, SetupError, Signals,
+    Strapdown, earth, probe,
 };
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
@@ -58,6 +58,8 @@ pub struct Calibration<F: Filter<Dynamics = Strapdown>, C: Form = Conventional> 
     next_update: f64,
     step: Step,
     turned: Turned,
+    /// What readings since the last update say was missed.
+    missed: Missed,
     gate: Gate,
     readings: Readings<F>,
     /// Where the error model was last linearised.
@@ -190,6 +192,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             next_update: f64::NEG_INFINITY,
             step: Step::EMPTY,
             turned: Turned::NOTHING,
+            missed: Missed::default(),
             gate: Gate::new(F::MEASURES),
             readings: Readings::new(setup),
             at: Point::default(),
@@ -228,6 +231,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         self.next_update = f64::NEG_INFINITY;
         self.step = Step::EMPTY;
         self.turned = Turned::NOTHING;
+        self.missed = Missed::default();
         self.gate = self.gate.again();
         self.statistics = Statistics::default();
     }
@@ -289,8 +293,10 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         } else {
             signals.rate
         };
+        let rests = sample.reference.is_rest();
         if self.time.is_some() {
-            self.navigate(&now, &signals, dt);
+            let at = if rests { self.at_rest(&signals) } else { signals };
+            self.navigate(&now, &at, dt);
         } else {
             self.begin(sample);
             self.before.follow(&now);
@@ -307,17 +313,36 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             None => self.turned = Turned::NOTHING,
         }
 
+        self.missed = self.missed.or(sample.reference.missed);
         let wanted = sample.time >= self.next_update;
         let residuals_due = wanted && sample.reference.is_read();
         if !residuals_due && self.transition.elapsed() + self.step.elapsed < PREDICT_TIME {
             return Ok(None);
         }
         signals.rate = end_rate;
+        if rests {
+            signals = self.at_rest(&signals);
+        }
         self.predict(observer);
         if !residuals_due {
             return Ok(None);
         }
         self.update(sample, &signals, observer)
+    }
+
+    /// The signals of a unit at rest, where errors are linearised: what its sensors read there is noise beside them, and a scale factor
+    /// that multiplies noise seems to show in it.
+    fn at_rest(&self, signals: &Signals<f64>) -> Signals<f64> {
+        let NavigationState { latitude, height, .. } = self.navigation;
+        let to_body = self.navigation.c_bn().transpose();
+        let force = to_body * Vector3::z() * earth::gravity(latitude, height);
+        Signals {
+            rate: to_body * earth::rotation_n(latitude),
+            angular_acceleration: Vector3::zeros(),
+            force,
+            force_rate: Vector3::zeros(),
+            ..*signals
+        }
     }
 
     /// The first sample says where the run begins; its attitude is the initial one.

@@ -1,13 +1,13 @@
 //! What happens when the reference speaks: residuals, gate, update.
 
-use calib_core::{Array, Dynamics, Filter, Form, MeasurementVector, Residuals, Shape};
+use calib_core::{Array, CoreVector, Dynamics, Filter, Form, MeasurementVector, Residuals, Shape};
 use nalgebra::{ComplexField, Rotation3, Vector3};
 
 use super::{Calibration, Turned};
 use crate::gate::Verdict;
 use crate::measurements::channel;
 use crate::outcome::{Diverged, Update};
-use crate::{Event, Observer, Point, Reference, Refusal, Sample, Signals, Strapdown};
+use crate::{Event, Missed, Observer, Point, Reference, Refusal, Sample, Signals, Strapdown};
 
 /// A rate carried on to the end of its interval is as noisy as the mean over so much of it: the squares of 3/2 and 1/2 make 5/2.
 const CARRIED_ON: f64 = 0.4;
@@ -34,6 +34,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             return Ok(None);
         }
         // half a sample of slack, so that rounding of the time stamps does not skip a reading
+        self.open_missed(observer);
         self.next_update = sample.time + 1.0 / self.setup.update_rate - 0.5 / self.setup.rate;
         self.turned = Turned::NOTHING;
         let repeated = self.repeats(&sample.reference, &mut residuals);
@@ -134,6 +135,19 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         Ok(rejected)
     }
 
+    /// Opens attitude and velocity by what the increments have missed.
+    fn open_missed(&mut self, observer: &mut impl Observer<F>) {
+        let missed = core::mem::take(&mut self.missed);
+        if missed != Missed::default() {
+            let mut variances = F::Shape::core_vector(0.0);
+            for axis in 0..3 {
+                variances[axis] = missed.attitude * missed.attitude;
+                variances[3 + axis] = missed.velocity * missed.velocity;
+            }
+            self.widen(&variances, observer);
+        }
+    }
+
     /// Opens the leading states that a measurement sees as wide as they were at the first sample.
     fn open(&mut self, measured: usize, at: &Point<f64>, observer: &mut impl Observer<F>) {
         let mut variances = F::Shape::core_vector(0.0);
@@ -143,11 +157,15 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
                 variances[state] = prior[state] * prior[state];
             }
         });
-        self.kalman.widen(&variances);
+        self.widen(&variances, observer);
+    }
+
+    fn widen(&mut self, variances: &CoreVector<F, f64>, observer: &mut impl Observer<F>) {
+        self.kalman.widen(variances);
         if let Some(pilot) = &mut self.pilot {
-            pilot.widen(&variances);
+            pilot.widen(variances);
         }
-        observer.observe::<C>(Event::Widened(&variances));
+        observer.observe::<C>(Event::Widened(variances));
         observer.observe(Event::Moved(&self.kalman));
     }
 

@@ -69,9 +69,9 @@ pub struct Sins43B {
 }
 
 /// 30 states for a unit carried by hand: navigation 9, gyro 9, accelerometer scale, installation and bias 12; its velocity
-/// is known while it stands still.
+/// is known while it stands still, and so is its rate.
 #[derive(Debug, StateBlocks)]
-#[filter(name = "mems-30d", measures(velocity))]
+#[filter(name = "mems-30d", measures(velocity, rate))]
 pub struct Mems30 {
     attitude: Attitude,
     velocity: Velocity,
@@ -134,7 +134,7 @@ declared! {
         Sins43P: 2, "40d-p and accelerometer temperature scale factor";
         Sins43B: 2, "43d-p with the dither coupling of the inner lever arm";
     } and {
-        Mems30: 3, "a MEMS unit carried by hand, velocity known when still";
+        Mems30: 3, "a MEMS unit carried by hand, velocity and rate known when still";
         Tracked35: 3, "a MEMS unit tracked by position and attitude";
         Systematic30: 2, "of the literature: the 21 errors of scale, installation and bias from velocity alone";
         Systematic33: 2, "of the literature: systematic-30d and quadratic terms";

@@ -186,11 +186,11 @@ impl Look {
             return;
         }
         self.readings += 1;
-        let Reference { velocity, position, .. } = reference;
-        let at_rest = velocity.is_none_or(|velocity| velocity.amax() == 0.0);
+        let Reference { velocity, position, rate, .. } = reference;
+        let at_rest = [velocity, rate].into_iter().flatten().all(|reading| reading.amax() == 0.0);
         let away = position.zip(self.at).is_some_and(|(here, there)| here != there);
         // whoever reads anything else reads
-        let more = Reference { velocity: None, position: None, ..*reference }.is_read();
+        let more = Reference { velocity: None, position: None, rate: None, ..*reference }.is_read();
         self.moves |= away || !at_rest || more;
         self.at = self.at.or(*position);
     }

@@ -6,6 +6,7 @@ use core::marker::PhantomData;
 use calib_core::declare::Part;
 use calib_core::{Extended, Grown, MeasurementInfo, Sizes};
 use hybrid_array::typenum::U9;
+use sinscal::literature::Systematic30;
 use sinscal::prelude::*;
 use sinscal::{BlockVisitor, Catalogue, Mems30, Open, Point, Sins36P, StateInfo, Tracked35};
 
@@ -68,6 +69,7 @@ impl<F: Filter<Dynamics = Strapdown, Shape: Sizes>> Filter for Navigating<F> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Like {
     Table,
+    Velocity,
     Carried,
     Tracked,
     Other,
@@ -78,6 +80,8 @@ pub(crate) fn pool<F: Filter<Dynamics = Strapdown, Shape: Sizes>>() -> &'static 
     // known at compile time: the other pools are not compiled for `F`
     if const { matches!(like(F::MEASURES), Like::Table) } {
         Pool::of::<Extended<Navigating<Sins36P>, Everything>>()
+    } else if const { matches!(like(F::MEASURES), Like::Velocity) } {
+        Pool::of::<Extended<Navigating<Systematic30>, Everything>>()
     } else if const { matches!(like(F::MEASURES), Like::Carried) } {
         Pool::of::<Extended<Navigating<Mems30>, Everything>>()
     } else if const { matches!(like(F::MEASURES), Like::Tracked) } {
@@ -90,7 +94,8 @@ pub(crate) fn pool<F: Filter<Dynamics = Strapdown, Shape: Sizes>>() -> &'static 
 const fn like(measures: &[MeasurementInfo]) -> Like {
     match measures {
         [first, second] if is(first, "velocity") && is(second, "position") => Like::Table,
-        [only] if is(only, "velocity") => Like::Carried,
+        [only] if is(only, "velocity") => Like::Velocity,
+        [first, second] if is(first, "velocity") && is(second, "rate") => Like::Carried,
         [first, second] if is(first, "position") && is(second, "attitude") => Like::Tracked,
         _ => Like::Other,
     }

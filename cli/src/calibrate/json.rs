@@ -40,6 +40,9 @@ pub(super) struct Report {
     log: String,
     /// Where temperature effects vanish.
     reference_temperature_c: f64,
+    /// What stands for a reference, and for what the description leaves open; in sentences.
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    assumed: Vec<String>,
     /// What the coarse stage took out of the samples; it is contained in the parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
     coarse: Option<CoarseReport>,
@@ -163,6 +166,7 @@ impl Report {
             bridged_rows: bridged.rows,
             log: log.table().display().to_string(),
             reference_temperature_c: log.description().reference_temperature,
+            assumed: log.assumed().to_vec(),
             coarse: log.coarse().map(CoarseReport::new),
             smoothed_start: start.map(|Smoothed { navigation, .. }| {
                 Final::new(&navigation.attitude, navigation.position(site), navigation.velocity)

@@ -104,12 +104,19 @@ impl Arguments {
         let filter = self.filter.filter()?;
         let filter = &*filter;
         let mut log = Log::open_counting(&self.log.log, &self.log.columns.reading_for(filter))?;
-        arguments::tell(&log);
         target.reads_log(&log)?;
         self.filter.change.files().try_for_each(|path| target.reads(path))?;
         if self.coarse || log.unknown_pulses() != UnknownPulses::default() {
             setup::coarse(&mut log)?;
         }
+        log.refer(&filter.measures())?;
+        if log.coarse().is_none() && setup::coarse_if_far(&mut log)? {
+            say::remark(
+                "the still positions show errors beyond the priors: the coarse stage takes them out first",
+            );
+            log.refer(&filter.measures())?;
+        }
+        arguments::tell(&log);
         let options = Options {
             passes: self.passes.unwrap_or_else(|| filter.passes()),
             form: self.form.into(),

@@ -11,7 +11,7 @@ use miette::{IntoDiagnostic, Result};
 use runs::{Calibrated, Flight, navigate};
 use serde::Serialize;
 
-use crate::arguments::{ALIGNMENT, LogArgument, Results, alignment};
+use crate::arguments::{self, ALIGNMENT, LogArgument, Results, alignment};
 use crate::origin::{Documented as _, inputs};
 use crate::setup;
 use crate::source::{Source, fault};
@@ -55,7 +55,7 @@ impl Arguments {
         let mut target = self.results.target()?;
         target.reads(&self.calibration)?;
         let (calibrated, _) = read::read(&self.calibration)?;
-        let log = self.log.open_for(&*calibrated.filter)?;
+        let log = arguments::open(&self.log.log, &self.log.columns.reading_for(&*calibrated.filter))?;
         target.reads_log(&log)?;
         let (flights, alignment_s) = fly(&log, &[calibrated], self.align)?;
         let Some(flight) = flights.first() else { return Ok(()) };

@@ -20,6 +20,7 @@ mod memory;
 mod other_inputs;
 mod outside_logs;
 mod own_project;
+mod rests;
 mod simulate;
 mod support;
 mod wrong_files;
