@@ -113,8 +113,11 @@ impl Arguments {
     }
 }
 
+/// Whether a file is one that `simulate` wrote.
+type IsOurs = fn(&Path) -> io::Result<bool>;
+
 /// The files of a simulated log, and what says that a file by such a name is one.
-const OURS: [(&str, fn(&Path) -> io::Result<bool>); 4] = [
+const OURS: [(&str, IsOurs); 4] = [
     (".toml", |path| Ok(part(path, false)?.starts_with(format!("# {}", Description::MARK).as_bytes()))),
     (".parquet", |path| Ok(holds(&part(path, true)?, Description::MARK))),
     (".truth.json", |path| {

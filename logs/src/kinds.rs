@@ -61,7 +61,7 @@ fn values_at_instants_are_integrated_by_the_trapezoid() -> Done {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("log.csv");
     // more than a batch, uneven steps
-    let time = |row: usize| row as f64 * 0.02 + if row % 3 == 0 { 0.002 } else { 0.0 };
+    let time = |row: usize| row as f64 * 0.02 + if row.is_multiple_of(3) { 0.002 } else { 0.0 };
     let text = csv("t,wx,wy,wz,ax,ay,az", 9000, |row| {
         std::iter::once(time(row)).chain(signal(row)).map(|value| format!("{value:?}")).collect()
     });
@@ -232,7 +232,7 @@ fn a_reference_with_its_own_file_and_clock() -> Done {
         // readings are 3 ms after the row
         let fix = ((sample.time + 5.0) / 0.2).round();
         assert!((sample.time + 5.0 - 0.2 * fix).abs() < 1e-6, "{row}: {}", sample.time);
-        assert!(fix as u64 % 10 != 0);
+        assert!(!(fix as u64).is_multiple_of(10));
         let position = sample.reference.position.ok_or("no position")?;
         let north = (320_600_000.0 + 10.0 * fix) * 1e-7;
         let east = (1_188_000_000.0 - 7.0 * fix) * 1e-7;

@@ -111,7 +111,7 @@ impl RestFinder {
         let step = self.last.replace(time).map_or(self.interval, |last| time - last);
         let sound = time.is_finite() && rate.iter().chain(force).all(|value| value.is_finite());
         // what is missing is no rest: a block ends at a gap
-        if !sound || !(step > 0.0 && step < 0.5 * BLOCK.max(4.0 * self.interval)) {
+        if !(sound && step > 0.0 && step < 0.5 * BLOCK.max(4.0 * self.interval)) {
             self.open = Open::EMPTY;
             if !sound {
                 return;

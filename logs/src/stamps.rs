@@ -176,7 +176,7 @@ impl Residuals {
             self.farthest = (off.abs(), self.row);
         }
         self.stretch += off;
-        if self.row % TOGETHER == 0 {
+        if self.row.is_multiple_of(TOGETHER) {
             let mean = (self.stretch / TOGETHER as f64).abs();
             if mean > self.apart.0 {
                 self.apart = (mean, self.row);
@@ -224,7 +224,8 @@ mod tests {
     #[test]
     fn a_line_goes_through_jittered_stamps() {
         let mut line = Line::default();
-        let stamp = |row: usize| 1000.0 + 0.005 * row as f64 + if row % 2 == 0 { 0.001 } else { -0.001 };
+        let stamp =
+            |row: usize| 1000.0 + 0.005 * row as f64 + if row.is_multiple_of(2) { 0.001 } else { -0.001 };
         (0..10_000).for_each(|row| line.push(stamp(row)));
         let (start, step) = line.fitted().expect("a line");
         assert!((start - 1000.0).abs() < 1e-6 && (step - 0.005).abs() < 1e-9, "{start} {step}");

@@ -107,6 +107,9 @@ pub(crate) fn start<F: Filter<Dynamics = Strapdown>>(
     }
 }
 
+/// In the last pass: what is smoothed, and the residuals.
+type Asked<F> = (Option<Smoother<F, FileTape>>, Option<Innovations<F>>);
+
 struct Run<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> {
     title: String,
     calibration: Calibration<F, C>,
@@ -118,8 +121,8 @@ struct Run<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> {
     look: Look,
     dithers: bool,
     history: History,
-    /// What is left out of the reference; in the last pass what is smoothed, and the residuals.
-    observer: (Refusals, (Option<Smoother<F, FileTape>>, Option<Innovations<F>>)),
+    /// What is left out of the reference, and what the last pass asks for.
+    observer: (Refusals, Asked<F>),
 }
 
 impl<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> Run<F, C> {
