@@ -70,7 +70,7 @@ impl Missed {
     }
 }
 
-/// Standard deviations that the readings of one instant state themselves; NaN, the default, leaves it to the [`Setup`].
+/// Standard deviations that the readings of one instant state themselves; NaN, the default, leaves it to the [`Setup`](crate::Setup).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReadingSigma {
     /// Velocity, m/s.
