@@ -148,7 +148,7 @@ fn a_project_of_ones_own_does_everything() -> Done {
 
     // as it is written: its tests pass, and its benchmark's check that covariances are equal
     project.cargo(&["test", "--quiet"])?;
-    project.cargo(&["bench", "--quiet", "--", "--test"])?;
+    project.cargo(&["bench", "--quiet", "--profile", "dev", "--", "--test"])?;
     assert!(project.run("filters")?.contains("own-unit"));
     assert!(project.run("effects")?.contains("d_f_i = k_i |omega|"));
 
@@ -163,7 +163,7 @@ fn a_project_of_ones_own_does_everything() -> Done {
     let main = fs::read_to_string(project.folder.join("src/main.rs"))?;
     assert!(main.lines().count() <= 10, "{main}");
 
-    fs::write(project.folder.join("a.toml"), SCENARIO.replace("PATH", "18-rotations"))?;
+    fs::write(project.folder.join("a.toml"), SCENARIO.replace("PATH", "two-axis"))?;
     fs::write(project.folder.join("b.toml"), SCENARIO.replace("PATH", "nineteen-positions"))?;
     project.run("simulate --scenario a.toml --out first --seed 5 -q")?;
     project.run("simulate --scenario b.toml --out second --seed 5 -q")?;
