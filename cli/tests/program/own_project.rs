@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use nalgebra::Vector3;
 use rig::{Scenario, Simulation};
 
 use crate::support::Done;
@@ -113,18 +114,22 @@ impl Project {
 
 /// A log whose reference is the velocity of the observed point and its range, as a person would write it.
 fn write_ranges(path: &Path) -> Done {
-    let scenario = Scenario::parse(
-        "[imu]\nrate = \"20 Hz\"\n[motion]\npath = \"nineteen-positions\"\nstill = \"60 s\"\ndwell = \"20 s\"\n[dither]\nmode = \"off\"",
-    )?;
+    let known = SCENARIO.lines().filter(|line| !line.starts_with("spin")).collect::<Vec<_>>().join("\n");
+    let read = "[reference]\nkind = \"readings\"\nrate = \"1 Hz\"\nposition_sigma = \"1 mm\"\n";
+    let scenario = Scenario::parse(&format!("{read}{}", known.replace("PATH", "two-axis")))?;
     let simulation = Simulation::new(&scenario, 7)?;
     let description = simulation.description().clone();
     let mut text = String::from(
         "time_s,dtheta_x,dtheta_y,dtheta_z,dvel_x,dvel_y,dvel_z,ref_vel_e,ref_vel_n,ref_vel_u,range_m\n",
     );
-    for (row, sample) in simulation.enumerate() {
+    for sample in simulation {
         let numbers =
             sample.dtheta.iter().chain(&sample.dvel).map(f64::to_string).collect::<Vec<_>>().join(",");
-        let reading = if row % 20 == 0 { "0,0,0,3" } else { ",,," };
+        let read = sample.reference.velocity.zip(sample.reference.position);
+        let reading = read.map_or(",,,".to_owned(), |(velocity, position)| {
+            let range = (position - Vector3::new(0.0, 3.0, 0.0)).norm();
+            format!("{},{},{},{range}", velocity.x, velocity.y, velocity.z)
+        });
         writeln!(text, "{},{numbers},{reading}", sample.time)?;
     }
     fs::write(path.with_extension("csv"), text)?;
