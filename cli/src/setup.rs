@@ -36,19 +36,13 @@ pub(crate) fn initial(log: &Log) -> Result<InitialAttitude> {
     aligner.finish().map_err(|error| miette!("{}: {error}", log.table().display()))
 }
 
-/// So many prior sigmas from zero the error model may not be linear any more.
-const FAR: f64 = 1.0;
-
 /// [`coarse`] for a log that is referred to its rests, where these show errors beyond the priors; whether it was so.
 pub(crate) fn coarse_if_far(log: &mut Log) -> Result<bool> {
     if log.rests().is_empty() {
         return Ok(false);
     }
-    let description = log.description();
     let Ok(found) = find_coarse(log)? else { return Ok(false) };
-    let far = found.parameters().any(|parameter| {
-        parameter.determined && parameter.value.abs() > FAR * description.prior(parameter.name)
-    });
+    let far = found.is_far(|name| log.description().prior(name));
     if far {
         log.correct(found);
     }

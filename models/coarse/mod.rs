@@ -232,6 +232,12 @@ impl CoarseCalibration {
         })
     }
 
+    /// Whether it found a parameter beyond the standard deviation of its prior (SI, by the name of the effect): so far from zero the
+    /// error model may not be linear any more.
+    pub fn is_far(&self, prior: impl Fn(&str) -> f64) -> bool {
+        self.parameters().any(|p| p.determined && p.value.abs() > prior(p.name))
+    }
+
     /// Standard deviation that a filter's parameter state begins with on compensated samples, given that of its prior. The latter
     /// is never made smaller: it stands for what positions and turns cannot show, too.
     pub fn prior(&self, state: &StateInfo, sigma: f64) -> f64 {

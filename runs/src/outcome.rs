@@ -65,9 +65,9 @@ pub enum Verdict {
     DoesNotFit,
     /// Most readings of one kind contradict it.
     Contradicted(&'static str),
-    /// It moves the unit away from the fixed point that it stands on.
+    /// It moves the unit where that is taken to stand still: at a fixed point, or in a rest.
     Elsewhere,
-    /// The reference is a fixed point, which has no noise: a sound filter's innovations are a small part of what is stated, and what a
+    /// The reference is a fixed point or the rests of the unit, which have no noise: a sound filter's innovations are a small part of what is stated, and what a
     /// filter lacks must be many times larger than the noise before they reach it.
     FixedPoint,
     /// The innovations are smaller than the noise of the description; the same holds.
@@ -147,9 +147,9 @@ impl core::fmt::Display for Verdict {
             }
             Self::TooFew => "cannot be judged by so few updates",
             Self::DoesNotFit => "does not fit: the residuals are larger than its model allows",
-            Self::Elsewhere => "does not fit: it moves the unit away from the fixed point that it stands on",
+            Self::Elsewhere => "does not fit: it moves the unit where that is taken to stand still",
             Self::FixedPoint => {
-                "cannot be judged by its residuals: a fixed point has no noise to compare them with"
+                "cannot be judged by its residuals: what is taken to stand still has no noise to compare them with"
             }
             Self::Quiet => {
                 "cannot be judged by its residuals: they are smaller than the noise of the description"

@@ -157,7 +157,7 @@ impl Arguments {
         text::oddities(&outcome.look, outcome.verdict().contradicts()).iter().for_each(|odd| say::warn(odd));
         if outcome.verdict() == Verdict::FixedPoint {
             say::remark(&format!(
-                "a fixed point has no noise that residuals could be compared with: `sinscal diagnose` looks for what {} lacks",
+                "what is taken to stand still has no noise to judge residuals by: `sinscal diagnose` looks for what {} lacks",
                 outcome.filter
             ));
         }

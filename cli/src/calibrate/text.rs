@@ -46,7 +46,7 @@ pub(super) fn doubt(outcome: &Outcome, passes: u32) -> Option<String> {
     ))
 }
 
-/// What to say where a unit is moved away from the fixed point that it stands on.
+/// What to say where a unit is moved that is taken to stand still.
 fn elsewhere(outcome: &Outcome) -> String {
     let times = outcome.refused.iter().map(|stretch| (stretch.first_s, stretch.last_s));
     let (first, last) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(first, last), (from, to)| {
@@ -57,8 +57,8 @@ fn elsewhere(outcome: &Outcome) -> String {
         format!("; at {time:.3} s the {sensor} reads {by:.3} {unit} off both its neighbours")
     });
     format!(
-        "from {first:.1} s to {last:.1} s the increments say that the unit is not where the log has it, at a fixed point: nobody reads \
-         that, so the site, the increments or what {} lacks are at fault{spike}",
+        "from {first:.1} s to {last:.1} s the increments move the unit where it is taken to stand still: nobody measured that, so \
+         the site, the increments or what {} lacks are at fault{spike}",
         outcome.filter
     )
 }
@@ -96,7 +96,7 @@ pub(super) fn verdict(outcome: &Outcome) -> String {
     );
     if statistics.rejected > 0 {
         let what = if outcome.look.is_fixed_point() {
-            "comparisons with the fixed point"
+            "comparisons with a unit that stands still"
         } else {
             "outliers of the reference"
         };
