@@ -67,6 +67,10 @@ pub(crate) struct Columns {
     /// Names of the columns of a text that has none, with commas between
     #[arg(long = "columns", value_name = "NAMES", value_parser = names())]
     names: Option<Names>,
+    /// Noise of the sensors: a file with a table [noise], such as `sinscal noise --out DIR` writes to DIR/noise.toml; it goes before
+    /// that of the description
+    #[arg(long, value_name = "FILE")]
+    noise: Option<PathBuf>,
     /// Fill gaps of up to so many seconds with interpolated rows
     #[arg(long, value_name = "SECONDS", value_parser = gap)]
     bridge_gaps: Option<f64>,
@@ -93,6 +97,7 @@ impl Columns {
             stamps: self.stamps,
             columns: self.names.as_ref().map(|names| names.0.clone()),
             bridge: self.bridge_gaps,
+            noise: self.noise.clone(),
             own: Vec::new(),
             values: None,
         }

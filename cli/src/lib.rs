@@ -36,6 +36,7 @@ mod filters;
 mod look;
 mod navigate;
 mod new;
+mod noise;
 mod observe;
 mod origin;
 mod output;
@@ -66,6 +67,7 @@ Examples:
   sinscal demo                                        the whole story, no files needed
   sinscal simulate --out runs/unit-3 --seed 3         a log with its truth
   sinscal look runs/unit-3                            what a log holds, before anything is calibrated
+  sinscal noise runs/unit-3 --out noise               noise processes in its rests
   sinscal observe runs/unit-3 --filter 43d-b          what the log can show
   sinscal calibrate runs/unit-3 --filter 43d-b --out results
   sinscal diagnose runs/unit-3 --filter 36d-p --out findings
@@ -94,6 +96,7 @@ struct Cli {
 enum Command {
     Demo(demo::Arguments),
     Look(look::Arguments),
+    Noise(noise::Arguments),
     Simulate(simulate::Arguments),
     Calibrate(calibrate::Arguments),
     Diagnose(diagnose::Arguments),
@@ -164,6 +167,7 @@ fn run() -> ExitCode {
     let result = match cli.command {
         Command::Demo(arguments) => arguments.run(),
         Command::Look(arguments) => arguments.run(),
+        Command::Noise(arguments) => arguments.run(),
         Command::Simulate(arguments) => arguments.run(),
         Command::Calibrate(arguments) => arguments.run(),
         Command::Diagnose(arguments) => arguments.run(),

@@ -15,7 +15,7 @@
 //! | `[table]` | names are those of the format or of `--map` |
 //!
 //! A table that is there is complete, except `[reference]`: a figure in it may be left out where nothing
-//! of the kind was measured.
+//! of the kind was measured; and the figures of `[noise]` on biases.
 
 use std::fs::File;
 use std::io::Read;
@@ -26,6 +26,7 @@ use std::sync::Arc;
 use crate::{suggest, units};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use sinscal::{EffectInfo, InitialAttitude, ReferenceSigma, SensorNoise, Site};
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::axes;
@@ -46,6 +47,9 @@ pub(super) const TEMPERATURES: (f64, f64) = (-80.0, 150.0);
 const SIGMAS: [(f64, f64); 3] = [(1e-9, 1e3), (1e-9, 1e6), (1e-9, 180.0)];
 /// Random walks, from far below any sensor to far above: deg/sqrt(h), ug/sqrt(Hz).
 const WALKS: [(f64, f64); 2] = [(1e-9, 1e4), (1e-6, 1e7)];
+/// What else `[noise]` may say: deg/h/sqrt(h), ug/sqrt(h), deg/h with s, ug with s.
+const WANDERS: [(f64, f64); 6] =
+    [(1e-9, 1e6), (1e-6, 1e7), (1e-9, 1e6), (1e-3, 1e9), (1e-6, 1e7), (1e-3, 1e9)];
 /// Priors in SI units that a filter can compute with.
 const PRIORS: (f64, f64) = (1e-15, 1e6);
 
@@ -67,7 +71,16 @@ const REFERENCE: &[&str] = &[
 ];
 const TIME: &[&str] = &["stamps", "bridge_gaps_s"];
 const TABLE: &[&str] = &["columns", "map"];
-const NOISE: &[&str] = &["gyro_arw_deg_sqrt_h", "accel_vrw_ug_sqrt_hz"];
+const NOISE: &[&str] = &[
+    "gyro_arw_deg_sqrt_h",
+    "accel_vrw_ug_sqrt_hz",
+    "gyro_bias_random_walk_deg_h_sqrt_h",
+    "accel_bias_random_walk_ug_sqrt_h",
+    "gyro_bias_instability_deg_h",
+    "gyro_bias_correlation_s",
+    "accel_bias_instability_ug",
+    "accel_bias_correlation_s",
+];
 const SECTIONS: &[&str] = &[
     "imu",
     "site",
@@ -106,6 +119,33 @@ impl FromStr for ReferenceKind {
     }
 }
 
+/// How biases wander, SI: what `[noise]` says beside the random walks of angle and velocity. Nothing stands for what is not said.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BiasWander {
+    /// Random walk of the gyros' biases, rad/s/sqrt(s), and of those of the accelerometers, m/s^2/sqrt(s).
+    pub random_walk: [Option<f64>; 2],
+    /// Gauss-Markov process of the same: standard deviation, rad/s and m/s^2, and correlation time, s.
+    pub gauss_markov: [Option<(f64, f64)>; 2],
+}
+
+/// What a table `[noise]` says.
+#[derive(Clone, Copy)]
+struct Stated {
+    white: SensorNoise,
+    wander: BiasWander,
+}
+
+impl Stated {
+    /// Without one: 0.001 deg/sqrt(h), 5 ug/sqrt(Hz).
+    const ASSUMED: Self = Self {
+        white: SensorNoise {
+            angle_random_walk: 0.001 * units::DEG_PER_SQRT_HOUR,
+            velocity_random_walk: 5.0 * units::MICRO_G,
+        },
+        wander: BiasWander { random_walk: [None; 2], gauss_markov: [None; 2] },
+    };
+}
+
 /// A checked description, in SI units.
 #[derive(Clone, Debug)]
 pub struct Description {
@@ -125,6 +165,8 @@ pub struct Description {
     pub(super) reference_given: [bool; 3],
     /// Random walks of the sensors.
     pub noise: SensorNoise,
+    /// How their biases wander, where that is said.
+    pub wander: BiasWander,
     pub(super) noise_given: bool,
     /// degC.
     pub reference_temperature: f64,
@@ -161,34 +203,31 @@ impl Description {
 
     /// Reads and checks `path`, reporting every fault at once.
     pub(super) fn read(path: &Path) -> Result<Self, LogError> {
-        let mut bytes = Vec::new();
-        File::open(path)
-            .and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
-            .map_err(|error| super::unreadable(path, &error))?;
-        if bytes.len() as u64 > LARGEST {
-            return Err(LogError::file(path, "is larger than 1 MiB: this is not the description of a log"));
+        Self::parse(path, text_of(path)?)
+    }
+
+    /// The same with the noise that the table `[noise]` of another file states.
+    pub(super) fn with_noise_of(mut self, path: &Path) -> Result<Self, LogError> {
+        super::files::check_file(path, "description of noise", None)?;
+        let text = text_of(path)?;
+        let root = parsed(path, &text)?;
+        let root = root.get_ref();
+        let mut document = Document::new(path, Arc::clone(&text));
+        // a whole description is welcome: its other tables say nothing here
+        document.only(root, "", SECTIONS);
+        let noise = read_noise(&mut document, root);
+        if noise.is_none() && !root.contains_key("noise") {
+            let help = "`sinscal noise LOG --out DIR` writes DIR/noise.toml";
+            document.lack(None, "noise", help);
         }
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let line = 1 + error
-                .as_bytes()
-                .iter()
-                .take(error.utf8_error().valid_up_to())
-                .filter(|b| **b == b'\n')
-                .count();
-            LogError::file(path, format!("line {line} is not UTF-8 text: this is not a TOML description"))
-                .help("save it as UTF-8")
-        })?;
-        Self::parse(path, text.into())
+        document.finish()?;
+        let stated = noise.flatten().ok_or_else(|| LogError::file(path, "is incomplete"))?;
+        (self.noise, self.wander, self.noise_given) = (stated.white, stated.wander, true);
+        Ok(self)
     }
 
     fn parse(path: &Path, text: Arc<str>) -> Result<Self, LogError> {
-        let root = match DeTable::parse(&text) {
-            Ok(root) => root,
-            Err(error) => {
-                let problem = format!("is not valid TOML: {}", error.message());
-                return Err(LogError::text(path, &text, error.span(), None, problem).help(TOML));
-            }
-        };
+        let root = parsed(path, &text)?;
         let root = root.get_ref();
         let mut document = Document::new(path, Arc::clone(&text));
         let doc = &mut document;
@@ -237,16 +276,9 @@ impl Description {
             attitude: given[2].unwrap_or(0.01) * units::DEGREE,
         };
 
-        let noise = doc.section(root, "noise", Some(NOISE)).map(|section| {
-            let mut walk = |i: usize| {
-                let (least, most) = WALKS[i];
-                let help = "a figure of the data sheet; it belongs to [noise]";
-                doc.required(section, NOISE[i], Must::LieWithin(least, most), help)
-            };
-            (walk(0), walk(1))
-        });
+        let noise = read_noise(doc, root);
         let noise_given = noise.is_some();
-        let (angle, velocity) = noise.unwrap_or((Some(0.001), Some(5.0)));
+        let noise = noise.unwrap_or_else(|| Some(Stated::ASSUMED));
 
         let reference_temperature = match doc.section(root, "temperature", Some(&["reference_c"])) {
             Some(section) => {
@@ -288,10 +320,8 @@ impl Description {
             initial,
             reference,
             reference_given: given.map(|sigma| sigma.is_some()),
-            noise: SensorNoise {
-                angle_random_walk: angle.ok_or_else(incomplete)? * units::DEG_PER_SQRT_HOUR,
-                velocity_random_walk: velocity.ok_or_else(incomplete)? * units::MICRO_G,
-            },
+            noise: noise.as_ref().ok_or_else(incomplete)?.white,
+            wander: noise.ok_or_else(incomplete)?.wander,
             noise_given,
             reference_temperature: reference_temperature.ok_or_else(incomplete)?,
             outer_lever: outer_lever.ok_or_else(incomplete)?.into(),
@@ -303,6 +333,66 @@ impl Description {
             reading,
         })
     }
+}
+
+/// The text of a description.
+fn text_of(path: &Path) -> Result<Arc<str>, LogError> {
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
+        .map_err(|error| super::unreadable(path, &error))?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(LogError::file(path, "is larger than 1 MiB: this is not the description of a log"));
+    }
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let sound = error.as_bytes().iter().take(error.utf8_error().valid_up_to());
+        let line = 1 + sound.filter(|byte| **byte == b'\n').count();
+        LogError::file(path, format!("line {line} is not UTF-8 text: this is not a TOML description"))
+            .help("save it as UTF-8")
+    })?;
+    Ok(text.into())
+}
+
+/// The document in a text.
+fn parsed<'t>(path: &Path, text: &'t Arc<str>) -> Result<Spanned<DeTable<'t>>, LogError> {
+    DeTable::parse(text).map_err(|error| {
+        let problem = format!("is not valid TOML: {}", error.message());
+        LogError::text(path, text, error.span(), None, problem).help(TOML)
+    })
+}
+
+/// Reads `[noise]`; nothing where it is not there, and nothing in it where it is faulty.
+fn read_noise(doc: &mut Document<'_>, root: &DeTable<'_>) -> Option<Option<Stated>> {
+    let section = doc.section(root, "noise", Some(NOISE))?;
+    let mut walk = |i: usize| {
+        let (least, most) = WALKS[i];
+        let help = "a figure of the data sheet; it belongs to [noise]";
+        doc.required(section, NOISE[i], Must::LieWithin(least, most), help)
+    };
+    let white = (walk(0), walk(1));
+    let mut stated = |i: usize, unit: f64| {
+        let (least, most) = WANDERS[i - 2];
+        doc.optional(section, NOISE[i], Must::LieWithin(least, most)).map(|value| value * unit)
+    };
+    let rate = units::DEGREE / 3600.0;
+    let random_walk = [stated(2, rate / 60.0), stated(3, units::MICRO_G / 60.0)];
+    let sizes = [(stated(4, rate), stated(5, 1.0)), (stated(6, units::MICRO_G), stated(7, 1.0))];
+    for ((size, time), at) in sizes.iter().zip([4, 6]) {
+        let lacking = match (size, time) {
+            (Some(_), None) => at + 1,
+            (None, Some(_)) => at,
+            _ => continue,
+        };
+        let help = "the size of a wander and its correlation time come together";
+        doc.lack(Some(section), &section.field(NOISE[lacking]), help);
+    }
+    let wander = BiasWander { random_walk, gauss_markov: sizes.map(|(size, time)| size.zip(time)) };
+    let (Some(angle), Some(velocity)) = white else { return Some(None) };
+    let white = SensorNoise {
+        angle_random_walk: angle * units::DEG_PER_SQRT_HOUR,
+        velocity_random_walk: velocity * units::MICRO_G,
+    };
+    Some(Some(Stated { white, wander }))
 }
 
 /// What `imu.samples` may be.

@@ -48,10 +48,12 @@ mod names;
 mod npz;
 mod pages;
 mod parquet;
+mod quiet;
 mod reading;
 mod refer;
 mod rests;
 mod rows;
+mod signals;
 mod stamp;
 mod stamps;
 mod still;
@@ -78,12 +80,13 @@ use self::table::{Known, Rows, Table};
 
 pub use self::ahead::Ahead;
 pub use self::axes::{Axes, Pointing};
-pub use self::description::{Description, ReferenceKind};
+pub use self::description::{BiasWander, Description, ReferenceKind};
 pub use self::fault::LogError;
 pub use self::guard::decoding;
 pub use self::increments::Values;
 pub use self::look::{Look, Noise, look};
 pub use self::map::ColumnMap;
+pub use self::quiet::{AtRest, Quiet};
 pub use self::reading::{Reading, column_names};
 pub use self::rests::{Rest, RestFinder, Rests};
 pub use self::stamps::Stamps;
@@ -106,6 +109,8 @@ pub struct Log {
     table: Table,
     /// The reference, where it has a file of its own.
     reference: Option<Table>,
+    /// Where its noise is stated, if not in its description.
+    noise_file: Option<PathBuf>,
     /// Whether nothing is said about the observed point.
     no_columns: bool,
     /// What stands for readings.
@@ -146,6 +151,10 @@ impl Log {
         let (path, kind, description_path) = files::find(log)?;
         files::check_file(&description_path, "description of the log", Some(files::LEAST))?;
         let description = Description::read(&description_path)?;
+        let description = match &reading.noise {
+            Some(path) => description.with_noise_of(path)?,
+            None => description,
+        };
         let reading = reading.or(&description.reading);
         let known = Known {
             rate: Some(description.rate),
@@ -183,6 +192,7 @@ impl Log {
             description,
             table,
             reference,
+            noise_file: reading.noise,
             no_columns,
             instead: None,
             assumed: Vec::new(),
@@ -230,7 +240,8 @@ impl Log {
     /// Every file that is read for it.
     pub fn files(&self) -> Vec<PathBuf> {
         let tables = [Some(&self.table), self.reference.as_ref()].into_iter().flatten();
-        tables.map(|table| table.path().to_owned()).chain([self.description_path()]).collect()
+        let files = tables.map(|table| table.path().to_owned()).chain([self.description_path()]);
+        files.chain(self.noise_file.clone()).collect()
     }
 
     /// The reference is used at most this often, Hz.

@@ -1,5 +1,7 @@
 //! How a log is read: what the command line and the description say about it, the command line first.
 
+use std::path::PathBuf;
+
 use super::axes::Axes;
 use super::increments::Values;
 use super::map::ColumnMap;
@@ -18,6 +20,8 @@ pub struct Reading {
     pub columns: Option<Vec<String>>,
     /// Gaps of up to so many seconds are filled with interpolated rows.
     pub bridge: Option<f64>,
+    /// File whose table `[noise]` goes before that of the description.
+    pub noise: Option<PathBuf>,
     /// Columns that measurements of the program's own read, in the order of [`Reference::own`](sinscal::Reference::own), SI.
     pub own: Vec<String>,
     /// What its rates are.
@@ -33,6 +37,7 @@ impl Reading {
             stamps: self.stamps.or(other.stamps),
             columns: self.columns.clone().or_else(|| other.columns.clone()),
             bridge: self.bridge.or(other.bridge),
+            noise: self.noise.clone().or_else(|| other.noise.clone()),
             own: if self.own.is_empty() { other.own.clone() } else { self.own.clone() },
             values: self.values.or(other.values),
         }

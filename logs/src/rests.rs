@@ -9,7 +9,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use serde::Serialize;
 
 /// Length of a block, s, and its fewest rows.
-const BLOCK: f64 = 0.2;
+pub(crate) const BLOCK: f64 = 0.2;
 const FEWEST: usize = 5;
 /// Shorter stretches are no rests, s.
 const SHORTEST: f64 = 1.0;

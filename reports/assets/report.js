@@ -74,10 +74,11 @@
     });
     const x = axis(figure.axes[0], 34);
     const y = axis(figure.axes[1], 58);
-    y.values = (_, splits) => splits.map((v) => (v === null ? "" : String(Number(v.toPrecision(6)))));
+    // on logarithmic axes the library knows which ticks have room for their numbers
+    if (!figure.logarithmic) y.values = (_, splits) => splits.map((v) => (v === null ? "" : String(Number(v.toPrecision(6)))));
     const plot = new uPlot({
       width: holder.clientWidth, height: 280, series, bands, axes: [x, y],
-      scales: { x: { time: false }, y: { range } },
+      scales: figure.logarithmic ? { x: { time: false, distr: 3 }, y: { distr: 3 } } : { x: { time: false }, y: { range } },
       cursor: { sync: { key: figure.axes[0] }, drag: { x: true, y: false }, points: { size: 7 } },
       legend: { markers: { fill: (plot, at) => plot.series[at].width === 0 ? plot.series[at].points.fill(plot, at) : null } },
       hooks: {

@@ -55,6 +55,11 @@ impl Curve {
         self.points.is_empty()
     }
 
+    /// The least of its values.
+    pub fn lowest(&self) -> f64 {
+        self.points.iter().map(|(_, y)| *y).fold(f64::INFINITY, f64::min)
+    }
+
     /// Every so many points are drawn.
     fn step(&self) -> usize {
         self.points.len().div_ceil(DRAWN).max(1)
@@ -84,8 +89,8 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// What the report's script draws it from.
-    pub fn data(&self) -> Value {
+    /// What the report's script draws it from, with logarithmic axes or without.
+    pub fn data(&self, logarithmic: bool) -> Value {
         let mut times: Vec<Vec<Value>> = Vec::new();
         let mut curves = Vec::new();
         for (curve, colour) in self.curves.iter().zip(self.colours()) {
@@ -110,6 +115,7 @@ impl Figure {
         }
         json!({
             "title": self.title, "axes": self.axes, "x": times, "curves": curves, "view": self.view(),
+            "logarithmic": logarithmic,
         })
     }
 
@@ -146,8 +152,8 @@ impl Figure {
         (banded && margin > 0.0).then(|| [range[0] - margin, range[1] + margin])
     }
 
-    /// The figure as SVG.
-    pub fn svg(&self) -> String {
+    /// The figure as SVG, with logarithmic axes or without.
+    pub fn svg(&self, logarithmic: bool) -> String {
         let mut plots = Vec::new();
         let view = self.view();
         let seen = |y: f64| view.map_or(y, |[low, high]| y.clamp(low, high));
@@ -174,6 +180,9 @@ impl Figure {
             .with_title(self.title.clone())
             .with_x_label(self.axes[0])
             .with_y_label(self.axes[1]);
+        if logarithmic {
+            return kuva::render_to_svg(plots, layout.with_log_x().with_log_y());
+        }
         // what hardly changes is shown as what hardly changes: from zero
         let values = || self.curves.iter().flat_map(|curve| curve.points.iter().map(|(_, y)| *y));
         let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), y| (l.min(y), h.max(y)));
@@ -235,7 +244,7 @@ mod tests {
             axes: ["time, s", "way, m"],
             curves: vec![curve(Style::Full, 1.0), curve(Style::Dashed, 2.0)],
         };
-        let svg = figure.svg();
+        let svg = figure.svg(false);
         assert!(svg.starts_with("<svg") || svg.contains("<svg"));
         for text in ["Two lines", "slope 1", "slope 2", COLOURS[0]] {
             assert!(svg.contains(text), "{text} is missing");

@@ -52,8 +52,8 @@ fn value(item: &Item, figures: &mut Vec<serde_json::Value>) -> Value {
         Item::List(lines) => context! { kind => "list", lines },
         Item::Code(text) => context! { kind => "code", text },
         Item::Table(table) => table_value(table),
-        Item::Curves(figure) => {
-            figures.push(figure.data());
+        Item::Curves(figure) | Item::LogLog(figure) => {
+            figures.push(figure.data(matches!(item, Item::LogLog(_))));
             context! { kind => "curves", title => figure.title, file => figure.file, at => figures.len() - 1 }
         }
     }

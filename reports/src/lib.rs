@@ -76,6 +76,8 @@ pub enum Item {
     Table(Table),
     /// Curves over a common axis.
     Curves(Figure),
+    /// The same with logarithmic axes.
+    LogLog(Figure),
     /// Source code or a configuration file.
     Code(String),
 }
@@ -195,7 +197,8 @@ impl Report {
         };
         for item in self.sections.iter().flat_map(|section| &section.items) {
             match item {
-                Item::Curves(figure) => put(&figure.file, figure.svg(), figure.csv()),
+                Item::Curves(figure) => put(&figure.file, figure.svg(false), figure.csv()),
+                Item::LogLog(figure) => put(&figure.file, figure.svg(true), figure.csv()),
                 Item::Table(table) => {
                     if let Some(file) = table.file {
                         put(file, picture::svg(table), picture::csv(table));

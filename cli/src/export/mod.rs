@@ -6,7 +6,7 @@ mod write;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use miette::Result;
+use miette::{Result, miette};
 
 use crate::output::{self, Files, Sources};
 
@@ -17,14 +17,15 @@ Examples:
   sinscal export results/calibration.json --format rust --out src/calibration.rs
   sinscal export results/calibration.json --format matlab --out calibration.m
   sinscal export results/calibration.json --format yaml
+  sinscal export noise/noise.json --format kalibr --out imu.yaml
 
 Every number reads back to the same bits. Only what was estimated is written.";
 
-/// Write a calibration as YAML, MATLAB, C or Rust: values, sigmas, units and the equations that use them
+/// Write a calibration as YAML, MATLAB, C or Rust: values, sigmas, units and the equations that use them; or a noise for Kalibr
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The calibration: what `calibrate --json` wrote
+    /// The calibration: what `calibrate --json` wrote; for `kalibr` the noise, what `noise --json` wrote
     #[arg(value_name = "FILE.json")]
     calibration: PathBuf,
     /// What to write
@@ -46,6 +47,8 @@ enum Format {
     C,
     /// A module of constants
     Rust,
+    /// Kalibr's imu.yaml, of a noise
+    Kalibr,
 }
 
 impl Arguments {
@@ -56,15 +59,35 @@ impl Arguments {
         if let Some(path) = &self.out {
             files.check(path)?;
         }
-        let calibration = read::read(&self.calibration)?;
-        let text = match self.format {
-            Format::Yaml => write::yaml(&calibration),
-            Format::Matlab => write::matlab(&calibration),
-            Format::C => write::c(&calibration),
-            Format::Rust => write::rust(&calibration),
-        };
+        let text = self.text()?;
         let Some(path) = &self.out else { return output::print(&text) };
         files.write(path, |file| file.write_all(text.as_bytes()))?;
         files.commit()
+    }
+
+    fn text(&self) -> Result<String> {
+        let path = &self.calibration;
+        let noise = crate::noise::read(path)?;
+        if let Format::Kalibr = self.format {
+            return noise.map(|noise| crate::noise::kalibr(&noise)).ok_or_else(|| {
+                miette!(
+                    help = "`sinscal noise LOG --json FILE` writes one",
+                    "{}: is no noise",
+                    path.display()
+                )
+            });
+        }
+        if noise.is_some() {
+            let help =
+                "--format kalibr writes a noise; the others take what `sinscal calibrate --json` wrote";
+            return Err(miette!(help = help, "{}: is a noise, a calibration was expected", path.display()));
+        }
+        let calibration = read::read(path)?;
+        Ok(match self.format {
+            Format::Matlab => write::matlab(&calibration),
+            Format::C => write::c(&calibration),
+            Format::Rust => write::rust(&calibration),
+            Format::Yaml | Format::Kalibr => write::yaml(&calibration),
+        })
     }
 }

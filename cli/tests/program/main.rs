@@ -17,6 +17,7 @@ mod inputs_stay;
 mod kills;
 mod manners;
 mod memory;
+mod noise;
 mod other_inputs;
 mod outside_logs;
 mod own_project;

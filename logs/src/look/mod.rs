@@ -14,15 +14,13 @@ use std::path::Path;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-use super::columns::{Batch, Group};
 use super::description::Description;
 use super::fault::LogError;
-use super::files;
-use super::layout::Part;
 use super::reading::Reading;
 use super::rests::{Rest, RestFinder, Rests};
+use super::signals::{Opened, Signals};
 use super::still::{STANDARD_GRAVITY, force_unit};
-use super::table::{Known, Table};
+use super::table::Table;
 use crate::units::{DEG_PER_SQRT_HOUR, DEGREE, MICRO_G};
 use channels::Channels;
 use steps::Steps;
@@ -78,24 +76,7 @@ pub struct Noise {
 /// # Errors
 /// When the files cannot be read, or nothing says which columns are which.
 pub fn look(log: &Path, reading: &Reading) -> Result<Look, LogError> {
-    let (path, kind, description_path) = files::find(log)?;
-    let description = match description_path.is_file() {
-        true => Some(Description::read(&description_path)?),
-        false => None,
-    };
-    let reading = match &description {
-        Some(description) => reading.or(&description.reading),
-        None => reading.clone(),
-    };
-    let known = Known {
-        rate: description.as_ref().map(|description| description.rate),
-        site: description.as_ref().map(|description| description.site),
-        fixes: description.as_ref().and_then(|description| description.fixes.clone()),
-        origin: None,
-    };
-    let apart = description.as_ref().is_some_and(|description| description.reference_file.is_some());
-    let part = if apart { Part::Unit } else { Part::Whole };
-    let table = Table::open(&path, kind, &reading, part, known)?;
+    let Opened { table, reading, description } = Opened::of(log, reading)?;
     let seen = Seen::of(&table, description.as_ref())?;
     Ok(seen.told(&table, &reading, description.as_ref()))
 }
@@ -115,17 +96,6 @@ struct Seen {
 impl Seen {
     fn of(table: &Table, description: Option<&Description>) -> Result<Self, LogError> {
         let interval = table.interval;
-        let counts = [Group::GYRO_PULSE, Group::ACCEL_PULSE].map(|group| table.has(group));
-        let scales = [
-            description.and_then(|description| description.gyro_pulse).filter(|_| counts[0]),
-            description.and_then(|description| description.accel_pulse).filter(|_| counts[1]),
-        ];
-        let unscaled = (0..2).any(|of| counts[of] && scales[of].is_none());
-        let groups = [
-            if counts[0] { Group::GYRO_PULSE } else { Group::DTHETA },
-            if counts[1] { Group::ACCEL_PULSE } else { Group::DVEL },
-        ];
-        let rates = table.rates();
         let mut finder = RestFinder::new(interval);
         let mut seen = Self {
             steps: Steps::new(interval),
@@ -135,44 +105,27 @@ impl Seen {
             sums: [Vector3::zeros(); 2],
             force: 0.0,
             temperature: None,
-            counts: unscaled,
+            counts: false,
         };
-        let mut rows = table.rows()?;
-        let mut batch = Batch::new();
-        loop {
-            rows.read(&mut batch)?;
-            if batch.rows == 0 {
-                break;
+        let signals = Signals::new(table, description);
+        seen.counts = signals.unscaled;
+        signals.each(table, |row| {
+            seen.steps.push(row.time);
+            seen.rows += 1;
+            seen.channels.push(&row.rate, &row.force);
+            finder.push(row.time, &row.rate, &row.force);
+            if row.is_sound() {
+                seen.sums[0] += row.rate;
+                seen.sums[1] += row.force;
+                seen.force += row.force.norm();
             }
-            for row in 0..batch.rows {
-                let time = batch.cell(Group::TIME.first, row);
-                // as the increments were made
-                let step = seen.steps.push(time);
-                let usual = step > 0.0 && step <= table.plan.longest_step * interval;
-                let of = |of: usize| {
-                    let values = Vector3::from_fn(|axis, _| batch.cell(groups[of].first + axis, row));
-                    let values =
-                        scales[of].map_or(values, |scale: Vector3<f64>| values.component_mul(&scale));
-                    values / if rates[of] && usual { step } else { interval }
-                };
-                let (rate, force) = (of(0), of(1));
-                seen.rows += 1;
-                seen.channels.push(&rate, &force);
-                finder.push(time, &rate, &force);
-                if force.iter().chain(&rate).all(|value| value.is_finite()) {
-                    seen.sums[0] += rate;
-                    seen.sums[1] += force;
-                    seen.force += force.norm();
-                }
-                for slot in Group::TEMP.first..Group::DITHER.first {
-                    let value = batch.cell(slot, row);
-                    if value.is_finite() {
-                        let [low, high] = seen.temperature.unwrap_or([value; 2]);
-                        seen.temperature = Some([low.min(value), high.max(value)]);
-                    }
-                }
+            for value in row.gyro_temperature.iter().chain(&row.temperature).filter(|value| value.is_finite())
+            {
+                let [low, high] = seen.temperature.unwrap_or([*value; 2]);
+                seen.temperature = Some([low.min(*value), high.max(*value)]);
             }
-        }
+            Ok(())
+        })?;
         if seen.rows == 0 {
             return Err(
                 LogError::file(table.path(), "has no rows").help("one row per IMU sample was expected")

@@ -1,0 +1,108 @@
+//! The noise of a unit as text for people.
+
+use std::fmt::Write;
+
+use ::noise::{Component, Identified};
+use reports::figures::significant;
+
+use super::{Found, Sensor};
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The finding in a sentence.
+pub(super) fn verdict(found: &Found) -> String {
+    let white = |of: usize| {
+        let (sensor, channels) = found.sensors()[of];
+        let sizes = channels.iter().map(|channel| {
+            let white = channel
+                .components
+                .iter()
+                .find(|component| sensor.naming(component.process.kind).kind == "white");
+            white.map_or("-".to_owned(), |white| {
+                let (_, size) = sensor.naming(white.process.kind).sheet;
+                significant(white.process.size / size)
+            })
+        });
+        sizes.collect::<Vec<_>>().join(" ")
+    };
+    format!(
+        "angle random walk {} deg/sqrt(h), velocity random walk {} ug/sqrt(Hz) (x y z), from {:.1} s of rest",
+        white(0),
+        white(1),
+        found.duration()
+    )
+}
+
+/// A value with its interval.
+fn interval(value: f64, (low, high): (f64, f64), shown: impl Fn(f64) -> String) -> String {
+    format!("{} ({} to {})", shown(value), shown(low), shown(high))
+}
+
+/// The cells of a process: name, value in the unit of data sheets, in SI.
+pub(super) fn cells(sensor: Sensor, component: &Component) -> [String; 3] {
+    let naming = sensor.naming(component.process.kind);
+    let mut title = naming.title.to_owned();
+    if let Some((time, (low, high))) = component.process.kind.time().zip(component.time) {
+        let _ = write!(title, ", {} s ({} to {})", significant(time), significant(low), significant(high));
+    }
+    let (unit, size) = naming.sheet;
+    let (value, bounds) = (component.process.size, component.size);
+    let sheet = interval(value, bounds, |number| significant(number / size));
+    let si = interval(value, bounds, |number| format!("{number:.3e}"));
+    [title, format!("{sheet} {unit}"), format!("{si} {}", naming.unit)]
+}
+
+/// What was taken out of a channel before.
+pub(super) fn taken(sensor: Sensor, axis: usize, channel: &Identified) -> Option<String> {
+    let (slope, span) = channel.taken?;
+    let (_, (unit, size)) = sensor.reading();
+    Some(format!(
+        "{} {}: temperature moved by {span:.1} K; {} {unit}/K that go with it were taken out first",
+        sensor.name(),
+        AXES[axis],
+        significant(slope / size)
+    ))
+}
+
+/// What holds for all of it.
+pub(super) const CONSTANTS: &str =
+    "Earth rate, gravity and bias are constants of a rest: they are taken out first";
+pub(super) const DENSITIES: &str = "values are continuous-time densities and sizes, with their 95 % intervals: the mean of white noise \
+                                    over T seconds has the standard deviation value/sqrt(T)";
+
+/// The whole text.
+pub(super) fn text(found: &Found) -> String {
+    let mut text = format!("{}\n", verdict(found));
+    let mut line = |line: &str| {
+        text.push_str(line);
+        text.push('\n');
+    };
+    found.notes.iter().for_each(|note| line(&format!("  {note}")));
+    line(&format!("  {CONSTANTS}"));
+    for (sensor, channels) in found.sensors() {
+        channels
+            .iter()
+            .enumerate()
+            .filter_map(|(axis, channel)| taken(sensor, axis, channel))
+            .for_each(|said| line(&format!("  {said}")));
+    }
+    line(&format!("  {DENSITIES}"));
+    for (sensor, channels) in found.sensors() {
+        for (axis, channel) in AXES.into_iter().zip(channels) {
+            line(&format!("{} {axis}", sensor.name()));
+            for component in &channel.components {
+                let [title, sheet, si] = cells(sensor, component);
+                line(&format!("  {title:54} {sheet:44} {si}"));
+            }
+            if let Some((deviation, tau)) = channel.floor() {
+                let (_, (unit, size)) = sensor.reading();
+                line(&format!(
+                    "  lowest Allan deviation {} {unit} at {} s",
+                    significant(deviation / size),
+                    significant(tau)
+                ));
+            }
+        }
+    }
+    text
+}
