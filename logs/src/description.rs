@@ -278,7 +278,7 @@ impl Description {
 
         let noise = read_noise(doc, root);
         let noise_given = noise.is_some();
-        let noise = noise.unwrap_or_else(|| Some(Stated::ASSUMED));
+        let noise = noise.unwrap_or(Some(Stated::ASSUMED));
 
         let reference_temperature = match doc.section(root, "temperature", Some(&["reference_c"])) {
             Some(section) => {
