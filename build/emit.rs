@@ -38,6 +38,7 @@ fn description(table: &Table) -> TokenStream {
     let kind = match table.kind {
         Kind::Rate => quote!(Some(Kind::Rate)),
         Kind::Force => quote!(Some(Kind::Force)),
+        Kind::Sensors => quote!(Some(Kind::Sensors)),
         Kind::Measurement => quote!(Some(Kind::Measurement)),
         _ => quote!(None),
     };
@@ -67,7 +68,9 @@ fn description(table: &Table) -> TokenStream {
 
 fn function(table: &Table) -> TokenStream {
     let (name, doc) = match table.kind {
-        Kind::Rate | Kind::Force => ("input_jacobian", "Calls `put(input, parameter, value)`."),
+        Kind::Rate | Kind::Force | Kind::Sensors => {
+            ("input_jacobian", "Calls `put(input, parameter, value)`.")
+        }
         Kind::Measurement => ("measurement_jacobian", "Calls `put(channel, parameter, value)`."),
         Kind::Core => ("core_jacobian", "Calls `put(row, column, value)`."),
         Kind::Residual => ("measurement_jacobian", "Calls `put(channel, column, value)`."),

@@ -15,6 +15,8 @@ pub(crate) enum Kind {
     Rate,
     /// Errors of the accelerometers by an effect's parameters.
     Force,
+    /// Errors of both by an effect's parameters.
+    Sensors,
     /// Measurement residuals by an effect's parameters.
     Measurement,
     /// The matrix A.
@@ -32,6 +34,7 @@ impl Kind {
         Some(match name {
             "rate" => Self::Rate,
             "force" => Self::Force,
+            "sensors" => Self::Sensors,
             "measurement" => Self::Measurement,
             "core" => Self::Core,
             "injection" => Self::Injection,
@@ -43,7 +46,7 @@ impl Kind {
 
     /// Whether the table belongs to an effect, which has parameters.
     pub(crate) fn is_effect(self) -> bool {
-        matches!(self, Self::Rate | Self::Force | Self::Measurement)
+        matches!(self, Self::Rate | Self::Force | Self::Sensors | Self::Measurement)
     }
 
     /// Whether the Jacobian is asked for by column.
@@ -53,12 +56,12 @@ impl Kind {
 
     /// Whether the expressions depend on `Signals`; on `Point` otherwise.
     pub(crate) fn of_signals(self) -> bool {
-        matches!(self, Self::Rate | Self::Force)
+        matches!(self, Self::Rate | Self::Force | Self::Sensors)
     }
 
     fn shape(self, parameters: usize) -> (usize, usize) {
         match self {
-            Self::Rate | Self::Force => (6, parameters),
+            Self::Rate | Self::Force | Self::Sensors => (6, parameters),
             Self::Measurement => (12, parameters),
             Self::Core => (9, 9),
             Self::Residual => (12, 9),
@@ -72,6 +75,7 @@ impl Kind {
         match self {
             Self::Rate => 0..3,
             Self::Force => 3..6,
+            Self::Sensors => 0..6,
             Self::Measurement | Self::Residual | Self::ResidualInput => 0..12,
             Self::Core | Self::Injection => 0..9,
         }
@@ -79,7 +83,7 @@ impl Kind {
 }
 
 /// Vectors along x, y, z that expressions may be read from, and scalars.
-const SIGNAL_VECTORS: [&str; 9] = [
+const SIGNAL_VECTORS: [&str; 16] = [
     "rate",
     "angular_acceleration",
     "force",
@@ -89,8 +93,15 @@ const SIGNAL_VECTORS: [&str; 9] = [
     "gyro_temperature",
     "dither",
     "coupled_dither",
+    "up",
+    "earth_rate",
+    "earth_turn",
+    "gyro_temperature_rate",
+    "temperature_slope",
+    "gyro_temperature_slope",
+    "arms",
 ];
-const SIGNAL_SCALARS: [&str; 1] = ["time"];
+const SIGNAL_SCALARS: [&str; 4] = ["time", "gravity", "gravity_by_latitude", "gravity_by_height"];
 const POINT_VECTORS: [&str; 8] = [
     "velocity",
     "position",

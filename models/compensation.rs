@@ -1,10 +1,10 @@
 //! Takes the modelled sensor errors out of raw increments, in real time.
 
-use calib_core::{Array, Dynamics, Filter, Real, Vector};
+use calib_core::{Array, Dynamics, Filter, Real, Vector, first_state};
 use nalgebra::Vector3;
 
-use crate::strapdown::Increments;
-use crate::{OpenBlocks, Sample, Signals, Strapdown};
+use crate::strapdown::{Increments, NavigationState};
+use crate::{InnerLeverArm, OpenBlocks, Sample, Signals, Strapdown, earth};
 
 /// The error model is evaluated at the true motion, which is what compensation is after: each round puts the result of
 /// the one before in, the first that of the sample before. When a round moves the signals by less than this fraction of them,
@@ -35,6 +35,18 @@ pub struct Compensator {
     smooth_force: Option<Vector3<f64>>,
     /// Errors of rate and force at the last sample.
     last_error: (Vector3<f64>, Vector3<f64>),
+    /// Where the unit stands, and what the filter asks of it.
+    stands: Option<NavigationState<f64>>,
+    asks: Asks,
+}
+
+/// What the errors of a filter depend on beside its sensors.
+#[derive(Clone, Copy, Debug, Default)]
+struct Asks {
+    /// The site.
+    site: bool,
+    /// What the estimates say of temperature and dither.
+    estimates: bool,
 }
 
 /// A vector of readings that arrive now and then, with their rate of change between the last two.
@@ -81,6 +93,17 @@ impl Compensator {
             last_rate: Vector3::repeat(f64::NAN),
             smooth_force: None,
             last_error: (Vector3::zeros(), Vector3::zeros()),
+            stands: None,
+            asks: Asks::default(),
+        }
+    }
+
+    /// Takes down where the unit stands, for errors that the site makes; without, these are zero.
+    #[inline]
+    pub fn stand(&mut self, navigation: &NavigationState<f64>) {
+        // what is asked is known from the first sample on
+        if self.stands.is_none() || self.asks.site {
+            self.stands = Some(*navigation);
         }
     }
 
@@ -134,10 +157,25 @@ impl Compensator {
             dither,
             coupled_dither: if self.open.couples_dither() { dither } else { Vector3::zeros() },
             time: sample.time - self.start,
+            gyro_temperature_rate: if self.gyro_temperature.has_read() {
+                self.gyro_temperature.rate
+            } else {
+                self.temperature.rate
+            },
             open: self.open,
+            ..Signals::default()
         };
         self.last_rate = rate;
         Strapdown::restrict::<F, f64>(&mut signals);
+        if first {
+            self.asks = Asks::of::<F>(&signals);
+        }
+        if let Some(navigation) = self.stands.as_ref().filter(|_| self.asks.site) {
+            stand_on(&mut signals, navigation);
+        }
+        if self.asks.estimates {
+            take_estimates::<F>(&mut signals, parameters);
+        }
         let change_n = self.follow(&force, &((rate + before) * (0.5 * dt)), dt);
         if first && asks_for_change::<F>(&signals) {
             self.smooth_force = Some(force);
@@ -161,6 +199,26 @@ impl Compensator {
     }
 }
 
+/// What takes the errors out of one sample after the other.
+#[cfg(feature = "std")]
+pub type Corrector = Box<dyn FnMut(&Sample) -> Increments<f64> + Send>;
+
+/// Takes the errors that `parameters` of filter `F` make out of the samples of a log, in their order.
+#[cfg(feature = "std")]
+pub fn corrector_of<F: Filter<Dynamics = Strapdown>>(
+    setup: &crate::Setup,
+    parameters: &Vector<F, f64>,
+) -> Corrector {
+    let mut compensator = Compensator::new(setup.reference_temperature).with_open(setup.open);
+    let (interval, parameters) = (1.0 / setup.rate, parameters.clone());
+    let mut last: Option<f64> = None;
+    Box::new(move |sample| {
+        let step = last.replace(sample.time).map_or(interval, |last| sample.time - last);
+        compensator.read(sample);
+        compensator.compensate::<F>(sample, step, &parameters).0
+    })
+}
+
 impl Compensator {
     /// Change of the specific force in n, m/s^3, along the axes of b, smoothed; `turn` has brought the body from the middle of the last
     /// interval to that of this one.
@@ -174,6 +232,69 @@ impl Compensator {
         let change = (force - carried) / (SMOOTHING + dt);
         *smooth = carried + change * dt;
         change
+    }
+}
+
+impl Asks {
+    /// What is not a number in the errors where these are none.
+    fn of<F: Filter<Dynamics = Strapdown>>(signals: &Signals<f64>) -> Self {
+        let (unknown, nan) = (Vector3::repeat(f64::NAN), f64::NAN);
+        let asks = |signals: &Signals<f64>| {
+            let mut asks = false;
+            F::input_jacobian(signals, &mut |_, _, value: f64| asks |= value.is_nan());
+            asks
+        };
+        Self {
+            site: asks(&Signals {
+                up: unknown,
+                earth_rate: unknown,
+                earth_turn: unknown,
+                gravity: nan,
+                gravity_by_latitude: nan,
+                gravity_by_height: nan,
+                ..*signals
+            }),
+            estimates: asks(&Signals {
+                temperature_slope: unknown,
+                gyro_temperature_slope: unknown,
+                arms: unknown,
+                ..*signals
+            }),
+        }
+    }
+}
+
+/// What the site does, along the axes of the body; few filters ask.
+#[cold]
+#[inline(never)]
+fn stand_on(signals: &mut Signals<f64>, navigation: &NavigationState<f64>) {
+    let NavigationState { attitude, latitude, height, .. } = navigation;
+    let (latitude, height) = (*latitude, *height);
+    let to_body = attitude.inverse();
+    let slope = |of: &dyn Fn(f64) -> f64, step: f64| (of(step) - of(-step)) / (2.0 * step);
+    signals.up = to_body * Vector3::z();
+    signals.earth_rate = to_body * earth::rotation_n(latitude);
+    signals.earth_turn = signals.earth_rate.cross(&(to_body * Vector3::x()));
+    signals.gravity = earth::gravity(latitude, height);
+    signals.gravity_by_latitude = slope(&|step| earth::gravity(latitude + step, height), 1e-4);
+    signals.gravity_by_height = slope(&|step| earth::gravity(latitude, height + step), 10.0);
+}
+
+/// What the estimates say of temperature and dither; few filters ask.
+#[cold]
+#[inline(never)]
+fn take_estimates<F: Filter<Dynamics = Strapdown>>(signals: &mut Signals<f64>, parameters: &Vector<F, f64>) {
+    let warm = Signals {
+        temperature: signals.temperature.add_scalar(1.0),
+        gyro_temperature: signals.gyro_temperature.add_scalar(1.0),
+        ..*signals
+    };
+    let (cold, warm) =
+        (input_errors::<F, f64>(signals, parameters), input_errors::<F, f64>(&warm, parameters));
+    signals.gyro_temperature_slope = warm.0 - cold.0;
+    signals.temperature_slope = warm.1 - cold.1;
+    if let Some(i) = first_state::<F, InnerLeverArm>() {
+        signals.arms = Vector3::new(parameters[i], parameters[i + 1], parameters[i + 2]);
     }
 }
 

@@ -157,12 +157,14 @@ pub mod tables;
 pub use align::{AlignError, Aligner};
 pub use blocks::groups::{AccelErrors, GyroErrors, LinearAccelErrors};
 pub use blocks::{
-    AccelBias, AccelBiasDrift, AccelCrossCoupling, AccelCubic, AccelDelay, AccelMisalignment, AccelQuadratic,
-    AccelScale, AccelScaleAsymmetry, AccelTemperatureBias, AccelTemperatureRate, AccelTemperatureScale,
-    Attitude, Dither, DitherSizeEffect, GyroBias, GyroBiasDrift, GyroGSensitivity, GyroMisalignment,
+    AccelBias, AccelBiasDrift, AccelBiasRandomWalk, AccelBiasWander, AccelCrossCoupling, AccelCubic,
+    AccelDelay, AccelMisalignment, AccelQuadratic, AccelScale, AccelScaleAsymmetry, AccelTemperatureBias,
+    AccelTemperatureRate, AccelTemperatureScale, Attitude, ClockScale, Dither, DitherScale, DitherSizeEffect,
+    GyroBias, GyroBiasDrift, GyroBiasRandomWalk, GyroBiasWander, GyroGSensitivity, GyroMisalignment,
     GyroRateNonlinearity, GyroScale, GyroScaleAsymmetry, GyroTemperatureBias, InnerLeverArm,
     InnerLeverArmTangential, Open, OpenBlocks, OpenError, OuterLeverArm, Position, ReferenceDelay,
-    ReferenceMisalignment, ReferenceTilt, Velocity,
+    ReferenceMisalignment, ReferenceScale, ReferenceTilt, SiteGravity, SiteHeight, SiteLatitude,
+    ThermometerLag, ThermometerOffset, ThermometerScale, Velocity,
 };
 #[doc(hidden)]
 pub use calib_core;
@@ -171,14 +173,20 @@ pub use calib_core::check;
 pub use calib_core::{
     Block, BlockView, BlockVisitor, Conventional, Counted, Dim, Dynamics, Estimate, Extended, Fault, Filter,
     Flaw, Form, Innovation, Kalman, Leaf, Measurement, MeasurementInfo, Need, Real, Relaxation, Residuals,
-    Shape, Sizes, StateInfo, Transition, Ud, View, declares, first_state, leaves, relaxations, relaxes,
+    Shape, Sizes, StateInfo, Transition, Ud, View, considered_in, declares, first_state, leaves, relaxations,
+    relaxes,
 };
 pub use calibration::{Calibration, Known};
 #[cfg(feature = "std")]
-pub use coarse::{Coarse, CoarseCalibration, CoarseError, CoarseParameter, UnknownPulses};
+pub use coarse::{
+    Coarse, CoarseCalibration, CoarseError, CoarseParameter, SiteFault, SiteRests, SiteShown, UnknownPulses,
+};
 pub use compensation::{Compensator, input_errors};
+#[cfg(feature = "std")]
+pub use compensation::{Corrector, corrector_of};
 pub use effects::{
-    AnyBlock, AnyEffect, CATALOGUE, Catalogue, EFFECTS, Effect, EffectInfo, Kind, any_effect, effect,
+    AnyBlock, AnyEffect, CATALOGUE, Catalogue, EFFECTS, Effect, EffectInfo, INFLUENCES, Kind, any_effect,
+    effect,
 };
 pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, PAPER, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P,
@@ -192,7 +200,7 @@ pub use observer::{Event, Observer, Refusal};
 pub use outcome::{Diverged, Parameter, Statistics, Update};
 pub use sample::{Missed, OWN, ReadingSigma, Reference, Sample, own_columns};
 pub use setup::{
-    InitialAttitude, InitialVelocity, ReferenceSigma, SensorNoise, Setup, SetupError, Site, Word,
+    BiasWander, InitialAttitude, InitialVelocity, ReferenceSigma, SensorNoise, Setup, SetupError, Site, Word,
 };
 pub use signals::{Point, Signals};
 #[cfg(feature = "std")]

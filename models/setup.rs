@@ -4,10 +4,13 @@ use core::f64::consts::PI;
 use core::fmt;
 
 use calib_core::declare::distance;
-use calib_core::{Filter, MeasurementInfo, Relaxation, Shape};
+use calib_core::{Block, Filter, MeasurementInfo, Relaxation, Shape};
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::{Fault, OpenBlocks, Strapdown, probe};
+use crate::{
+    AccelBiasRandomWalk, AccelBiasWander, Fault, GyroBiasRandomWalk, GyroBiasWander, OpenBlocks, Strapdown,
+    probe,
+};
 
 /// What must be known to run a filter over a log, in SI units.
 ///
@@ -58,6 +61,11 @@ pub struct Setup<'a> {
     /// Correlation times, s, that replace those of Gauss-Markov blocks, by block name. Such a block is stationary: what drives it
     /// keeps its standard deviation at the prior's.
     pub correlation_times: &'a [(&'a str, f64)],
+    /// How the biases wander, where that is known: it goes before what the blocks of those names say themselves.
+    pub wander: BiasWander,
+    /// Blocks whose states are considered, beside those that the declaration marks so: they keep their priors, and what these make
+    /// uncertain is in the covariance of the others ([`Kalman::consider`](crate::Kalman::consider)).
+    pub considered: &'a [&'a str],
     /// What joins a filter with the block [`Open`](crate::Open).
     pub open: OpenBlocks,
 }
@@ -137,6 +145,46 @@ pub struct SensorNoise {
     pub velocity_random_walk: f64,
 }
 
+/// How biases wander, the same on each axis: gyros (rad/s) first, then accelerometers (m/s^2). Nothing stands for what is not known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BiasWander {
+    /// Random walk, per square root of a second.
+    pub random_walk: [Option<f64>; 2],
+    /// Gauss-Markov process: standard deviation and correlation time, s.
+    pub gauss_markov: [Option<(f64, f64)>; 2],
+}
+
+impl BiasWander {
+    /// The effects that say what is known.
+    pub fn effects(&self) -> impl Iterator<Item = &'static str> {
+        let (walks, wanders) = (self.random_walk, self.gauss_markov);
+        (0..2)
+            .filter(move |i| wanders[*i].is_some())
+            .map(|i| GAUSS_MARKOV[i])
+            .chain((0..2).filter(move |i| walks[*i].is_some()).map(|i| RANDOM_WALK[i]))
+    }
+
+    /// Standard deviation and correlation time of a Gauss-Markov block.
+    fn gauss_markov(&self, block: &str) -> Option<(f64, f64)> {
+        GAUSS_MARKOV.iter().position(|name| *name == block).and_then(|i| self.gauss_markov[i])
+    }
+
+    /// Random walk of a block that walks.
+    fn random_walk(&self, block: &str) -> Option<f64> {
+        RANDOM_WALK.iter().position(|name| *name == block).and_then(|i| self.random_walk[i])
+    }
+
+    /// The figure that is the least, or none at all; infinite where nothing is known.
+    fn least(&self) -> f64 {
+        let walks = self.random_walk.iter().flatten().copied();
+        let wanders = self.gauss_markov.iter().flatten().flat_map(|(sigma, time)| [*sigma, *time]);
+        walks.chain(wanders).fold(f64::MAX, |least, figure| if figure >= least { least } else { figure })
+    }
+}
+
+const GAUSS_MARKOV: [&str; 2] = [GyroBiasWander::NAME, AccelBiasWander::NAME];
+const RANDOM_WALK: [&str; 2] = [GyroBiasRandomWalk::NAME, AccelBiasRandomWalk::NAME];
+
 impl<'a> Setup<'a> {
     /// With what has to be said. The rest is a unit at rest, a reference used at most once a second, temperature effects that vanish
     /// at 25 degC, an observed point in the IMU's centre, and the defaults of blocks and measurements.
@@ -160,6 +208,8 @@ impl<'a> Setup<'a> {
             priors: &[],
             sigmas: &[],
             correlation_times: &[],
+            wander: BiasWander::default(),
+            considered: &[],
             open: OpenBlocks::NONE,
         }
     }
@@ -193,6 +243,9 @@ impl<'a> Setup<'a> {
         };
         check_names("priors", "block", self.priors, |sigma| sigma >= 0.0, "zero or more", blocks)?;
         check_names("sigmas", "measurement", self.sigmas, |sigma| sigma > 0.0, "positive", measurements)?;
+        for name in self.considered {
+            check_names("considered", "block", &[(*name, 1.0)], |_| true, "", blocks)?;
+        }
         let relaxing = |wanted: &str, near: &mut Near| blocks(wanted, near) && !is_constant::<F>(wanted);
         let times = self.correlation_times;
         check_names("correlation_times", "Gauss-Markov block", times, |time| time > 0.0, "positive", relaxing)
@@ -202,7 +255,7 @@ impl<'a> Setup<'a> {
         let (site, initial, noise) = (&self.site, &self.initial, &self.noise);
         let vector = |v: &Vector3<f64>| v.iter().fold(0.0, |sum: f64, x| sum + x);
         let norm = initial.attitude.as_ref().norm();
-        let numbers: [Rule; 17] = [
+        let numbers: [Rule; 18] = [
             ("rate", self.rate, |x| x > 0.0, "positive"),
             ("site.latitude", site.latitude, |x| x.abs() <= PI / 2.0, "within a quarter turn, in rad"),
             ("site.longitude", site.longitude, |_| true, "a number"),
@@ -220,6 +273,7 @@ impl<'a> Setup<'a> {
             ("noise.velocity_random_walk", noise.velocity_random_walk, |x| x >= 0.0, "zero or more"),
             ("reference_temperature", self.reference_temperature, |_| true, "a number"),
             ("outer_lever", vector(&self.outer_lever), |_| true, "three numbers"),
+            ("wander", self.wander.least(), |x| x > 0.0, "positive"),
         ];
         match numbers.into_iter().find(|(_, value, holds, _)| !(value.is_finite() && holds(*value))) {
             Some((field, value, _, wanted)) => {
@@ -231,7 +285,7 @@ impl<'a> Setup<'a> {
 
     /// Prior standard deviation that it names for a block.
     pub fn prior(&self, block: &str) -> Option<f64> {
-        named(self.priors, block)
+        named(self.priors, block).or_else(|| self.wander.gauss_markov(block).map(|(sigma, _)| sigma))
     }
 
     /// Standard deviation of a row of a measurement that states none.
@@ -250,9 +304,13 @@ impl<'a> Setup<'a> {
         if prior == 0.0 {
             return Relaxation { rate: 0.0, density: 0.0 };
         }
-        match named(self.correlation_times, block) {
+        let stated = self.wander.gauss_markov(block).map(|(_, time)| time);
+        match named(self.correlation_times, block).or(stated) {
             Some(time) => Relaxation { rate: 1.0 / time, density: 2.0 * prior * prior / time },
-            None => declared,
+            None => match self.wander.random_walk(block) {
+                Some(walk) => Relaxation { rate: 0.0, density: walk * walk },
+                None => declared,
+            },
         }
     }
 }

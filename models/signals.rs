@@ -32,6 +32,26 @@ pub struct Signals<T: Real> {
     pub coupled_dither: Vector3<T>,
     /// Time since the first sample, s.
     pub time: T,
+    /// Straight up.
+    pub up: Vector3<T>,
+    /// Rotation of the Earth, rad/s.
+    pub earth_rate: Vector3<T>,
+    /// Its derivative by the latitude, 1/s.
+    pub earth_turn: Vector3<T>,
+    /// Gravity, m/s^2.
+    pub gravity: T,
+    /// Its derivative by the latitude, m/s^2/rad.
+    pub gravity_by_latitude: T,
+    /// Its derivative by the height, 1/s^2.
+    pub gravity_by_height: T,
+    /// Rate of change of the temperature at each gyro, K/s.
+    pub gyro_temperature_rate: Vector3<T>,
+    /// By how much the modelled error of each accelerometer changes with its temperature, m/s^2/K.
+    pub temperature_slope: Vector3<T>,
+    /// The same of each gyro, rad/s/K.
+    pub gyro_temperature_slope: Vector3<T>,
+    /// Estimates of the inner lever arms that the dither acts through, m.
+    pub arms: Vector3<T>,
     /// The blocks that joined the filter at run time.
     pub open: OpenBlocks,
 }
@@ -50,6 +70,16 @@ impl<T: Real> Signals<T> {
             dither: self.dither.map(of),
             coupled_dither: self.coupled_dither.map(of),
             time: of(self.time),
+            up: self.up.map(of),
+            earth_rate: self.earth_rate.map(of),
+            earth_turn: self.earth_turn.map(of),
+            gravity: of(self.gravity),
+            gravity_by_latitude: of(self.gravity_by_latitude),
+            gravity_by_height: of(self.gravity_by_height),
+            gyro_temperature_rate: self.gyro_temperature_rate.map(of),
+            temperature_slope: self.temperature_slope.map(of),
+            gyro_temperature_slope: self.gyro_temperature_slope.map(of),
+            arms: self.arms.map(of),
             open: self.open,
         }
     }

@@ -364,6 +364,30 @@ impl Form for Conventional {
         on_this_machine!(machine => update::<S, T, _>(machine, cov, x, h, r, z))
     }
 
+    fn times<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::Vector<T>) -> S::Vector<T> {
+        let mut ph = S::vector(T::zero());
+        for k in 0..S::STATES {
+            let weight = h[k];
+            if weight != T::zero() {
+                for i in 0..S::STATES {
+                    ph[i] += cov[k][i] * weight;
+                }
+            }
+        }
+        ph
+    }
+
+    /// Entry (i, j) and entry (j, i) by the same operation.
+    fn add_square<S: Shape, T: Real>(cov: &mut S::Matrix<T>, v: &S::Vector<T>) {
+        for i in 0..S::STATES {
+            if v[i] != T::zero() {
+                for j in 0..S::STATES {
+                    cov[i][j] += v[i] * v[j];
+                }
+            }
+        }
+    }
+
     fn project<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::MeasurementRows<T>) -> S::MeasurementMatrix<T> {
         let (mut hp, mut s) = (S::measurement_rows(T::zero()), S::measurement_matrix(T::zero()));
         on_this_machine!(machine => measure::<S, T>(machine, h, cov, &mut hp, &mut s));

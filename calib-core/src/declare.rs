@@ -31,6 +31,7 @@ pub struct Part {
     parts: &'static [Part],
     known: bool,
     repeated: bool,
+    considered: bool,
     role: Role,
 }
 
@@ -50,6 +51,7 @@ impl Part {
         parts: &[],
         known: false,
         repeated: false,
+        considered: false,
         role: Role::Block,
     };
 
@@ -82,6 +84,25 @@ impl Part {
     pub const fn repeated(mut self) -> Self {
         self.repeated = true;
         self
+    }
+
+    /// The part as one whose states are considered.
+    pub const fn considered(mut self) -> Self {
+        self.considered = true;
+        self
+    }
+
+    /// Visits the states that are considered; those of the part begin at `first`.
+    pub(crate) fn each_considered(&self, first: usize, visit: &mut impl FnMut(usize)) {
+        if self.considered {
+            (first..first + self.dim).for_each(visit);
+            return;
+        }
+        let mut at = first;
+        for part in self.parts {
+            part.each_considered(at, visit);
+            at += part.dim;
+        }
     }
 
     /// Whether the block called `name` is in it.

@@ -63,6 +63,12 @@ pub trait Form: Copy + 'static {
         z: &S::Measurement<T>,
     ) -> Option<Whitened<T>>;
 
+    /// `P h`.
+    fn times<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::Vector<T>) -> S::Vector<T>;
+
+    /// P <- P + v v'.
+    fn add_square<S: Shape, T: Real>(cov: &mut S::Matrix<T>, v: &S::Vector<T>);
+
     /// `H P H'`, without measurement noise.
     fn project<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::MeasurementRows<T>) -> S::MeasurementMatrix<T>;
 

@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use crate::{
     Array, Block, BlockVisitor, Conventional, CoreVector, Dynamics, Fade, Filter, Form, Matrix,
     MeasurementInfo, MeasurementMatrix, MeasurementRows, MeasurementVector, Real, Relaxation, Shape,
-    Transition, Vector, relaxations, relaxes,
+    Transition, Vector, Whitened, considered_in, relaxations, relaxes,
 };
 
 /// Residuals of a declared filter's measurements, row by row.
@@ -104,12 +104,16 @@ impl core::error::Error for NotPositiveDefinite {}
 pub struct Kalman<F: Filter, T: Real = f64, C: Form = Conventional> {
     x: Vector<F, T>,
     cov: Matrix<F, T>,
+    /// The states that are considered, and whether there is one.
+    considered: Vector<F, bool>,
+    considers: bool,
     form: PhantomData<C>,
 }
 
 impl<F: Filter, T: Real, C: Form> Clone for Kalman<F, T, C> {
     fn clone(&self) -> Self {
-        Self { x: self.x.clone(), cov: self.cov.clone(), form: PhantomData }
+        let (x, cov, considered) = (self.x.clone(), self.cov.clone(), self.considered.clone());
+        Self { x, cov, considered, considers: self.considers, form: PhantomData }
     }
 }
 
@@ -122,7 +126,23 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
         }
         let mut cov = F::Shape::matrix(T::zero());
         C::set_diagonal::<F::Shape, T>(&mut cov, &variances);
-        Self { x: F::Shape::vector(T::zero()), cov, form: PhantomData }
+        let (x, considered) = (F::Shape::vector(T::zero()), F::Shape::vector(false));
+        let mut kalman = Self { x, cov, considered, considers: false, form: PhantomData };
+        considered_in::<F>(|state| kalman.consider(state));
+        kalman
+    }
+
+    /// From now on no measurement changes state `i` or its variance, while what it makes uncertain is carried in the covariance of the
+    /// others: a *considered* state (Schmidt, *Application of State-Space Methods to Navigation Problems*, 1966). What a declaration
+    /// marks with `#[consider]` is considered from the beginning.
+    pub fn consider(&mut self, i: usize) {
+        self.considered[i] = true;
+        self.considers = true;
+    }
+
+    /// Whether state `i` is considered.
+    pub fn is_considered(&self, i: usize) -> bool {
+        self.considered[i]
     }
 
     /// Prior standard deviations of the declaration's blocks.
@@ -228,8 +248,12 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
             Some(limit) => self.reject(&mut h, &mut residuals, limit)?,
             None => 0,
         };
-        let whitened = C::update::<F::Shape, T>(&mut self.cov, &mut self.x, &h, &residuals.r, &residuals.z)
-            .ok_or(NotPositiveDefinite)?;
+        let whitened = if self.considers {
+            self.update_considering(&h, &residuals)
+        } else {
+            C::update::<F::Shape, T>(&mut self.cov, &mut self.x, &h, &residuals.r, &residuals.z)
+        };
+        let whitened = whitened.ok_or(NotPositiveDefinite)?;
         let degrees_of_freedom = residuals.count();
         let constant = T::of(degrees_of_freedom as f64) * T::two_pi().ln();
         Ok(Innovation {
@@ -238,6 +262,62 @@ impl<F: Filter, T: Real, C: Form> Kalman<F, T, C> {
             log_likelihood: -T::of(0.5) * (whitened.nis + whitened.log_det + constant),
             rejected,
         })
+    }
+
+    /// The update that leaves considered states alone. The gain of the others is that of the usual update, and so are their covariance and
+    /// the covariance between both; what the usual update takes from the covariance of considered states, `W S^-1 W'` with their rows
+    /// W of `P H'`, is given back as squares (for U D U': Zanetti and D'Souza, *Journal of the Astronautical Sciences* 60, 2013).
+    fn update_considering(
+        &mut self,
+        h: &MeasurementRows<F, T>,
+        residuals: &Residuals<F, T>,
+    ) -> Option<Whitened<T>> {
+        let mut s = C::project::<F::Shape, T>(&self.cov, h);
+        let mut taken = h.clone();
+        for m in 0..F::Shape::ROWS {
+            s[m][m] += residuals.r[m];
+            taken[m] = C::times::<F::Shape, T>(&self.cov, &h[m]);
+            for i in 0..F::Shape::STATES {
+                if !self.considered[i] {
+                    taken[m][i] = T::zero();
+                }
+            }
+        }
+        // S = L L', row by row, and W L^-T with it
+        for m in 0..F::Shape::ROWS {
+            for k in 0..m {
+                for n in 0..k {
+                    let known = s[m][n] * s[k][n];
+                    s[m][k] -= known;
+                }
+                let weight = s[m][k] / s[k][k];
+                s[m][k] = weight;
+                s[m][m] -= weight * weight;
+                for i in 0..F::Shape::STATES {
+                    let known = taken[k][i];
+                    taken[m][i] -= weight * known;
+                }
+            }
+            if !(s[m][m] > T::zero()) {
+                return None;
+            }
+            let root = s[m][m].sqrt();
+            s[m][m] = root;
+            for i in 0..F::Shape::STATES {
+                taken[m][i] /= root;
+            }
+        }
+        let before = self.x.clone();
+        let whitened = C::update::<F::Shape, T>(&mut self.cov, &mut self.x, h, &residuals.r, &residuals.z)?;
+        for i in 0..F::Shape::STATES {
+            if self.considered[i] {
+                self.x[i] = before[i];
+            }
+        }
+        for m in 0..F::Shape::ROWS {
+            C::add_square::<F::Shape, T>(&mut self.cov, &taken[m]);
+        }
+        Some(whitened)
     }
 
     /// Visits the measurements present by their place in [`Filter::MEASURES`], each with its own normalised innovation squared per

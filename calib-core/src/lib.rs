@@ -43,4 +43,6 @@ pub use real::Real;
 pub use transition::Transition;
 pub use ud::Ud;
 pub use view::{BlockView, Entries, Estimate, View};
-pub use vocabulary::{BlockVisitor, Leaf, declares, first_state, leaves, relaxations, relaxes};
+pub use vocabulary::{
+    BlockVisitor, Leaf, considered_in, declares, first_state, leaves, relaxations, relaxes,
+};

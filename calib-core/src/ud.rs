@@ -55,6 +55,26 @@ fn factor<S: Shape, T: Real, M: Machine>(noise: &S::CoreMatrix<T>) -> (S::CoreMa
     (q, weights)
 }
 
+/// P + c a a', of an `a` that is zero from `end` on: Agee and Turner's update, from the last column to the first.
+fn add_rank_one<S: Shape, T: Real>(cov: &mut S::Matrix<T>, mut a: S::Vector<T>, mut c: T, end: usize) {
+    for j in (0..end).rev() {
+        let d = cov[j][j];
+        let pivot = a[j];
+        let grown = d + c * pivot * pivot;
+        cov[j][j] = grown;
+        if !(grown > T::zero()) {
+            continue;
+        }
+        let weight = c * pivot / grown;
+        for i in 0..j {
+            let u = cov[j][i];
+            a[i] -= pivot * u;
+            cov[j][i] = u + weight * a[i];
+        }
+        c *= d / grown;
+    }
+}
+
 /// Columns of U that are moved, or seen by a measurement, side by side.
 const COLUMNS: usize = 6;
 /// Measurements that are taken in together: those of a vector.
@@ -353,7 +373,7 @@ impl Form for Ud {
         on_this_machine!(machine => propagate::<S, T, _>(machine, cov, rows, noise));
     }
 
-    /// Scales the state's row of U, then adds its noise (Agee and Turner's rank-one update).
+    /// Scales the state's row of U, then adds its noise.
     fn fade<S: Shape, T: Real>(cov: &mut S::Matrix<T>, fade: &Fade<T>) {
         let s = fade.state;
         for j in s + 1..S::STATES {
@@ -365,23 +385,26 @@ impl Form for Ud {
         for i in 0..s {
             cov[s][i] /= fade.keep;
         }
-        let mut c = fade.variance;
-        for j in (0..=s).rev() {
-            let d = cov[j][j];
-            let pivot = a[j];
-            let grown = d + c * pivot * pivot;
-            cov[j][j] = grown;
-            if !(grown > T::zero()) {
-                continue;
-            }
-            let weight = c * pivot / grown;
+        add_rank_one::<S, T>(cov, a, fade.variance, s + 1);
+    }
+
+    /// `U D (U' h)`.
+    fn times<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::Vector<T>) -> S::Vector<T> {
+        let f = through_u::<S, T>(cov, h);
+        let mut ph = S::vector(T::zero());
+        for j in 0..S::STATES {
+            let weighted = cov[j][j] * f[j];
             for i in 0..j {
-                let u = cov[j][i];
-                a[i] -= pivot * u;
-                cov[j][i] = u + weight * a[i];
+                ph[i] += cov[j][i] * weighted;
             }
-            c *= d / grown;
+            ph[j] += weighted;
         }
+        ph
+    }
+
+    fn add_square<S: Shape, T: Real>(cov: &mut S::Matrix<T>, v: &S::Vector<T>) {
+        let last = (0..S::STATES).rev().find(|i| v[*i] != T::zero());
+        add_rank_one::<S, T>(cov, v.clone(), T::one(), last.map_or(0, |last| last + 1));
     }
 
     fn update<S: Shape, T: Real>(

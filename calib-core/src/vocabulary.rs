@@ -70,6 +70,11 @@ pub const fn relaxes<F: Block>() -> bool {
     Part::of::<F>().relaxes()
 }
 
+/// Visits the states of declaration `F` that are considered: those of the fields marked `#[consider]`.
+pub fn considered_in<F: Block>(mut visit: impl FnMut(usize)) {
+    Part::of::<F>().each_considered(0, &mut visit);
+}
+
 /// The states of declaration `F` that are not constant: `put(state, relaxation)`.
 #[inline(always)]
 pub fn relaxations<F: Block, T: Real>(put: impl FnMut(usize, Relaxation<T>)) {

@@ -3,7 +3,8 @@
 ///
 /// `table` is the module of [`tables`](crate::tables) that knows names, unit and Jacobian; `jacobian` is
 /// `input` for an error of the sensors and `measurement` for one of the reference; `sheet` is the unit of
-/// data sheets and its size in SI; `kin` is the effect that its size goes with, if there is one.
+/// data sheets and its size in SI; `kin` is the effect that its size goes with, if there is one; `relaxes` says how its states forget,
+/// where they are not constant.
 macro_rules! effect {
     (
         $(#[$doc:meta])*
@@ -14,6 +15,7 @@ macro_rules! effect {
             prior: $prior:expr,
             sheet: $unit:literal = $scale:expr,
             $(kin: $kin:literal,)?
+            $(relaxes: $relaxes:expr,)?
         }
     ) => {
         $(#[$doc])*
@@ -27,6 +29,16 @@ macro_rules! effect {
             const NAME: &'static str = $crate::tables::$table::TABLE.name;
             const DIM: usize = $crate::tables::$table::TABLE.components.len();
             const NEEDS: &'static [calib_core::Need] = $needs;
+            $(const RELAXATIONS: &'static [(usize, calib_core::Relaxation<f64>)] = &{
+                let relaxes: calib_core::Relaxation<f64> = $relaxes;
+                let mut all = [(0, relaxes); $crate::tables::$table::TABLE.components.len()];
+                let mut state = 0;
+                while state < all.len() {
+                    all[state].0 = state;
+                    state += 1;
+                }
+                all
+            };)?
 
             fn states(visit: &mut dyn FnMut(calib_core::StateInfo)) {
                 <Self as $crate::Effect>::EFFECT.states(visit);

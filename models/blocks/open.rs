@@ -20,13 +20,13 @@ pub struct Open;
 
 impl Open {
     /// Number of its states.
-    pub const CAPACITY: usize = 24;
+    pub const CAPACITY: usize = 32;
 }
 
 /// Names of the states that are not taken.
 const PLACES: [&str; Open::CAPACITY] = [
     "0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16", "17", "18",
-    "19", "20", "21", "22", "23",
+    "19", "20", "21", "22", "23", "24", "25", "26", "27", "28", "29", "30", "31",
 ];
 
 /// The places as states that relax, with nothing to forget.

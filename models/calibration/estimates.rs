@@ -1,7 +1,7 @@
 //! What a run has found, at any time.
 
-use calib_core::{Filter, Form, Matrix, Shape, Vector};
-use nalgebra::{UnitQuaternion, Vector3};
+use calib_core::{Filter, Form, Matrix, Relaxation, Shape, Vector};
+use nalgebra::{ComplexField, UnitQuaternion, Vector3};
 
 use super::Calibration;
 use crate::Strapdown;
@@ -19,16 +19,22 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         self.setup.open.states_of::<F>(&mut |info| {
             if i >= F::Shape::CORE {
                 let sigma = self.kalman.sigma(i);
-                visit(Parameter {
-                    info,
-                    value: self.value(i),
-                    sigma,
-                    prior_sigma: self.prior[i],
-                    estimated: sigma < ESTIMATED * self.prior[i],
-                });
+                let prior_sigma = self.prior_now(i);
+                let estimated = sigma < ESTIMATED * prior_sigma;
+                visit(Parameter { info, value: self.value(i), sigma, prior_sigma, estimated });
             }
             i += 1;
         });
+    }
+
+    /// Standard deviation that parameter `i` would have without any measurement: a random walk has gathered more by now.
+    fn prior_now(&self, i: usize) -> f64 {
+        let (prior, Relaxation { rate, density }) = (self.prior[i], self.relaxing[i]);
+        if rate > 0.0 || density == 0.0 {
+            prior
+        } else {
+            ComplexField::sqrt(prior * prior + density * self.covered)
+        }
     }
 
     /// Estimate of state `i` as people know it: the outer lever arm includes its first guess.

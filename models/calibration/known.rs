@@ -91,6 +91,22 @@ impl Form for Known {
         Some(whitened)
     }
 
+    fn times<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::Vector<T>) -> S::Vector<T> {
+        let mut ph = S::vector(T::zero());
+        for i in 0..S::CORE {
+            ph[i] = dot(&h.as_slice()[..S::CORE], &cov[i].as_slice()[..S::CORE]);
+        }
+        ph
+    }
+
+    fn add_square<S: Shape, T: Real>(cov: &mut S::Matrix<T>, v: &S::Vector<T>) {
+        for i in 0..S::CORE {
+            for j in 0..S::CORE {
+                cov[i][j] += v[i] * v[j];
+            }
+        }
+    }
+
     fn project<S: Shape, T: Real>(cov: &S::Matrix<T>, h: &S::MeasurementRows<T>) -> S::MeasurementMatrix<T> {
         let mut s = S::measurement_matrix(T::zero());
         for i in 0..S::ROWS {

@@ -1,12 +1,13 @@
 //! The closed-loop calibration run: navigation, sensitivities and filter over a log.
 
 mod estimates;
+mod foresee;
 mod known;
 mod update;
 
 use calib_core::{
     Conventional, CoreVector, Fade, Filter, Form, Kalman, Relaxation, Shape, StateInfo, Transition, Vector,
-    first_state, relaxations, relaxing,
+    considered_in, first_state, relaxations, relaxing,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -17,8 +18,8 @@ use crate::measurements::{self, Measurement, Readings};
 use crate::outcome::{Diverged, Statistics, Update};
 use crate::strapdown::{Before, Increments, NavigationState};
 use crate::{
-    Event, Missed, Observer, Open, OpenBlocks, OuterLeverArm, Point, Sample, Setup, SetupError, Signals,
-    Strapdown, earth, probe,
+    Event, InitialAttitude, Missed, Observer, Open, OpenBlocks, OuterLeverArm, Point, Sample, Setup,
+    SetupError, Signals, Strapdown, earth, probe,
 };
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
@@ -46,6 +47,7 @@ pub struct Calibration<F: Filter<Dynamics = Strapdown>, C: Form = Conventional> 
     density: CoreVector<F, f64>,
     parameters: Vector<F, f64>,
     prior: Vector<F, f64>,
+    considered: Vector<F, bool>,
     relaxing: Vector<F, Relaxation<f64>>,
     lever_at: Option<usize>,
     /// Steers the navigation of a further pass: the same filter without any doubt of the parameters.
@@ -58,6 +60,8 @@ pub struct Calibration<F: Filter<Dynamics = Strapdown>, C: Form = Conventional> 
     next_update: f64,
     step: Step,
     turned: Turned,
+    /// Time that predictions have covered in this pass, s.
+    covered: f64,
     /// What readings since the last update say was missed.
     missed: Missed,
     gate: Gate,
@@ -107,6 +111,16 @@ impl Turned {
     const NOTHING: Self = Self { angle: Vector3::new(0.0, 0.0, 0.0), time: 0.0 };
 }
 
+/// A filter with priors that considers some states.
+fn considering<F: Filter, C: Form>(
+    prior: &Vector<F, f64>,
+    considered: &Vector<F, bool>,
+) -> Kalman<F, f64, C> {
+    let mut kalman = Kalman::new(prior);
+    (F::Shape::CORE..F::Shape::STATES).filter(|i| considered[*i]).for_each(|i| kalman.consider(i));
+    kalman
+}
+
 impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
     /// A run that has seen nothing yet, with the priors of the setup and, where it names none, of the blocks.
     ///
@@ -132,8 +146,11 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         if let Some(first) = first_state::<F, Open>() {
             blocks.relaxations(|place, relaxation| relaxing[first + place] = relaxation);
         }
+        let mut considered = F::Shape::vector(false);
+        considered_in::<F>(|state| considered[state] = true);
         let mut i = 0;
         blocks.states_of::<F>(&mut |info| {
+            considered[i] |= i >= F::Shape::CORE && setup.considered.contains(&info.block);
             prior[i] = setup.prior(info.block).unwrap_or(info.prior_sigma);
             prior[i] = adjust(i, &info, prior[i]);
             relaxing[i] = setup.relaxation(info.block, prior[i], relaxing[i]);
@@ -176,11 +193,12 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         let mut navigation = NavigationState::at_rest(&setup.site, setup.initial.attitude);
         navigation.velocity = setup.velocity.velocity;
         Self {
-            kalman: Kalman::new(&prior),
+            kalman: considering(&prior, &considered),
             transition: Transition::new(),
             density,
             parameters: F::Shape::vector(0.0),
             prior,
+            considered,
             relaxing,
             lever_at: first_state::<F, OuterLeverArm>(),
             pilot: None,
@@ -192,6 +210,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             next_update: f64::NEG_INFINITY,
             step: Step::EMPTY,
             turned: Turned::NOTHING,
+            covered: 0.0,
             missed: Missed::default(),
             gate: Gate::new(F::MEASURES),
             readings: Readings::new(setup),
@@ -216,7 +235,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         for i in F::Shape::CORE..F::Shape::STATES {
             self.parameters[i] = parameters[i];
         }
-        self.kalman = Kalman::new(&self.prior);
+        self.kalman = considering(&self.prior, &self.considered);
         for i in F::Shape::CORE..F::Shape::STATES {
             // a parameter state is truth - estimate, and the prior's mean of the truth is zero
             self.kalman.x_mut()[i] = -self.parameters[i];
@@ -231,6 +250,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         self.next_update = f64::NEG_INFINITY;
         self.step = Step::EMPTY;
         self.turned = Turned::NOTHING;
+        self.covered = 0.0;
         self.missed = Missed::default();
         self.gate = self.gate.again();
         self.statistics = Statistics::default();
@@ -247,6 +267,16 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             self.kalman.x_mut()[i] = 0.0;
         }
         self.pilot = None;
+    }
+
+    /// Lets further passes begin with another attitude, and other standard deviations of it.
+    pub fn restart(&mut self, initial: &InitialAttitude) {
+        self.setup.initial = *initial;
+        for (sigma, prior) in
+            [initial.level_sigma, initial.level_sigma, initial.heading_sigma].iter().zip(0..)
+        {
+            self.prior[prior] = *sigma;
+        }
     }
 
     /// How the readings of the reference were spread so far.
@@ -286,6 +316,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             None => 1.0 / self.setup.rate,
         };
         self.compensator.read(sample);
+        self.compensator.stand(&self.navigation);
         let (now, mut signals) = self.compensator.compensate::<F>(sample, dt, &self.parameters);
         let end_rate = if self.time.is_some() {
             // the mean rates of two intervals, carried on to the end of the second
@@ -295,8 +326,11 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
         };
         let rests = sample.reference.is_rest();
         if self.time.is_some() {
-            let at = if rests { self.at_rest(&signals) } else { signals };
-            self.navigate(&now, &at, dt);
+            if rests {
+                self.navigate(&now, &self.at_rest(&signals), dt);
+            } else {
+                self.navigate(&now, &signals, dt);
+            }
         } else {
             self.begin(sample);
             self.before.follow(&now);
@@ -390,6 +424,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             return;
         }
         let elapsed = self.transition.elapsed();
+        self.covered += elapsed;
         self.kalman.predict_relaxing(&self.transition, &self.density, &self.relaxing);
         observer.observe::<C>(Event::Predicted { transition: &self.transition, density: &self.density });
         observer.observe(Event::Moved(&self.kalman));

@@ -136,7 +136,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
     }
 
     /// Opens attitude and velocity by what the increments have missed.
-    fn open_missed(&mut self, observer: &mut impl Observer<F>) {
+    pub(super) fn open_missed(&mut self, observer: &mut impl Observer<F>) {
         let missed = core::mem::take(&mut self.missed);
         if missed != Missed::default() {
             let mut variances = F::Shape::core_vector(0.0);
@@ -170,7 +170,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
     }
 
     /// Residuals `computed - read`, by the estimates of the blocks that act on the measurement.
-    fn residuals(&self, reference: &Reference, at: &Point<f64>) -> Residuals<F, f64> {
+    pub(super) fn residuals(&self, reference: &Reference, at: &Point<f64>) -> Residuals<F, f64> {
         let seen = self.seen(reference, at);
         let noise = self.rate_noise(&seen);
         let mut residuals = Residuals::<F, f64>::default();

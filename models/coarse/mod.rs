@@ -21,10 +21,13 @@
 mod fit;
 mod positions;
 mod pulses;
+mod site;
 
 use std::vec::Vec;
 
 use nalgebra::Vector3;
+
+pub use self::site::{SiteFault, SiteRests, SiteShown};
 
 use self::positions::Recorder;
 use crate::{InitialAttitude, Sample, SensorNoise, Site, StateInfo, earth};

@@ -58,6 +58,8 @@ impl Track {
 #[derive(Clone, Debug)]
 pub(super) struct Recorder {
     nominal: f64,
+    /// Whether turns are remembered.
+    turns: bool,
     time: Option<f64>,
     group: Increment,
     groups: Vec<Increment>,
@@ -92,12 +94,18 @@ impl Recorder {
     pub(super) fn new(rate: f64) -> Self {
         Self {
             nominal: 1.0 / rate,
+            turns: true,
             time: None,
             group: (0.0, EMPTY),
             groups: Vec::new(),
             block: Block::EMPTY,
             blocks: Vec::new(),
         }
+    }
+
+    /// The same without a memory of turns: 5 MB for ten hours.
+    pub(super) fn without_turns(self) -> Self {
+        Self { turns: false, ..self }
     }
 
     pub(super) fn push(&mut self, sample: &Sample) {
@@ -110,7 +118,7 @@ impl Recorder {
         self.block.dvel += sample.dvel;
         // half a sample of slack against rounding
         let full = self.block.time >= BLOCK - 0.5 * self.nominal;
-        if full || self.group.0 >= GROUP - 0.5 * self.nominal {
+        if self.turns && (full || self.group.0 >= GROUP - 0.5 * self.nominal) {
             self.groups.push(self.group);
             self.group = (0.0, EMPTY);
         }

@@ -35,6 +35,18 @@ class Signals:
     dither = _vector(SIGNALS, "a2", "xyz", "dither")  # A^2/2
     coupled_dither = _vector(SIGNALS, "c2", "xyz", "coupled_dither")  # A^2/2 where `Dither` is declared, else zero
     time = _scalar(SIGNALS, "time", "time")
+    # what the site does, along the body axes
+    up = _vector(SIGNALS, "u", "xyz", "up")
+    earth_rate = _vector(SIGNALS, "e", "xyz", "earth_rate")
+    earth_turn = _vector(SIGNALS, "et", "xyz", "earth_turn")  # its derivative by latitude
+    gravity = _scalar(SIGNALS, "g", "gravity")
+    gravity_by_latitude = _scalar(SIGNALS, "g_l", "gravity_by_latitude")
+    gravity_by_height = _scalar(SIGNALS, "g_h", "gravity_by_height")
+    # what the estimates say
+    gyro_temperature_rate = _vector(SIGNALS, "tgd", "xyz", "gyro_temperature_rate")
+    temperature_slope = _vector(SIGNALS, "fs", "xyz", "temperature_slope")  # of an accelerometer's error by its temperature
+    gyro_temperature_slope = _vector(SIGNALS, "ws", "xyz", "gyro_temperature_slope")  # of a gyro's
+    arms = _vector(SIGNALS, "r", "xyz", "arms")  # inner lever arms that the dither acts through
 
 
 class Point:

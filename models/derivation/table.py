@@ -24,7 +24,7 @@ class Table:
     """A Jacobian with what a reader must know about it."""
 
     name: str
-    kind: str  # rate, force, measurement (effects); core, injection, residual, residual-input (strapdown)
+    kind: str  # rate, force, sensors, measurement (effects); core, injection, residual, residual-input (strapdown)
     description: str
     equation: str
     source: str

@@ -64,6 +64,13 @@ impl dyn AnyEffect {
     pub fn name(&self) -> &'static str {
         self.info().name()
     }
+
+    /// Whether some of its states are not constant.
+    pub fn is_wander(&self) -> bool {
+        let mut wanders = false;
+        self.relaxation(&mut |_, _| wanders = true);
+        wanders
+    }
 }
 
 impl<B: Block<Dynamics = Strapdown>> AnyBlock for Erased<B> {

@@ -7,7 +7,7 @@ mod info;
 use calib_core::Block;
 
 pub use self::any::{AnyBlock, AnyEffect};
-pub use self::catalogue::{CATALOGUE, Catalogue, EFFECTS, any_effect, effect};
+pub use self::catalogue::{CATALOGUE, Catalogue, EFFECTS, INFLUENCES, any_effect, effect};
 pub use self::info::{EffectInfo, Kind};
 use crate::{Point, Signals, Strapdown};
 

@@ -162,6 +162,7 @@ impl<F: Filter<Dynamics = Strapdown>> FreeInertial<F> {
             self.begun = self.start.max(sample.time - dt);
         }
         self.compensator.read(sample);
+        self.compensator.stand(&self.navigation);
         let (now, _) = self.compensator.compensate::<F>(sample, dt, &self.parameters);
         if sample.time > self.start {
             let height = self.navigation.height;

@@ -22,6 +22,7 @@ pub(crate) struct Field<'a> {
     pub(crate) ident: &'a Ident,
     pub(crate) ty: &'a Type,
     pub(crate) base: bool,
+    pub(crate) consider: bool,
     pub(crate) docs: Vec<Attribute>,
     /// An earlier field has the same type.
     pub(crate) repeated: bool,
@@ -67,9 +68,9 @@ impl<'a> Declaration<'a> {
         let fields: Vec<Field> = fields
             .iter()
             .filter_map(|field| {
-                let FieldAttributes { base, docs } = FieldAttributes::read(&field.attrs, errors);
+                let FieldAttributes { base, consider, docs } = FieldAttributes::read(&field.attrs, errors);
                 let ident = field.ident.as_ref()?;
-                Some(Field { ident, ty: &field.ty, base, docs, repeated: false })
+                Some(Field { ident, ty: &field.ty, base, consider, docs, repeated: false })
             })
             .collect();
         if generic || fields.is_empty() {

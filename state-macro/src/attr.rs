@@ -124,6 +124,9 @@ impl Attributes {
             if attr.path().is_ident("base") {
                 errors.at(attr, "`#[base]` marks the first field of a filter, not the struct");
             }
+            if attr.path().is_ident("consider") {
+                errors.at(attr, "`#[consider]` marks a field, not the struct");
+            }
             let Some(kind) = Kind::of(attr.path()).or_else(|| Kind::meant(attr.path())) else { continue };
             match read.kind {
                 Some(earlier) if earlier != kind => {
@@ -262,13 +265,15 @@ fn separated(
 pub(crate) struct FieldAttributes {
     /// The field is marked `#[base]`.
     pub(crate) base: bool,
+    /// The field is marked `#[consider]`.
+    pub(crate) consider: bool,
     /// Its documentation.
     pub(crate) docs: Vec<Attribute>,
 }
 
 impl FieldAttributes {
     pub(crate) fn read(attrs: &[Attribute], errors: &mut Errors) -> Self {
-        let mut read = FieldAttributes { base: false, docs: Vec::new() };
+        let mut read = FieldAttributes { base: false, consider: false, docs: Vec::new() };
         for attr in attrs {
             let path = attr.path();
             if let Some(kind) = Kind::of(path) {
@@ -281,11 +286,22 @@ impl FieldAttributes {
                     errors.at(attr, "`#[base]` is given twice");
                 }
                 read.base = true;
+            } else if path.is_ident("consider") {
+                if !matches!(attr.meta, Meta::Path(_)) {
+                    errors.at(attr, "`#[consider]` takes nothing: all states of its field are considered");
+                } else if read.consider {
+                    errors.at(attr, "`#[consider]` is given twice");
+                }
+                read.consider = true;
             } else if path.is_ident("doc") {
                 read.docs.push(attr.clone());
             } else if misspells(path, "base") {
                 read.base = true;
             }
+        }
+        if let Some(attr) = attrs.iter().find(|attr| read.base && attr.path().is_ident("consider")) {
+            errors.at(attr, "a base is not considered as a whole: its leading states are what is navigated");
+            read.consider = false;
         }
         read
     }

@@ -62,7 +62,8 @@ fn parts(layout: &Layout) -> TokenStream {
         let name = ident.unraw().to_string();
         let base = field.base.then(|| quote!(.base(#core::declare::Base::<#ty>::MEASURES)));
         let repeated = field.repeated.then(|| quote!(.repeated()));
-        quote!(#core::declare::Field::<#ty, #dynamics>::PART.named(#name) #base #repeated)
+        let considered = field.consider.then(|| quote!(.considered()));
+        quote!(#core::declare::Field::<#ty, #dynamics>::PART.named(#name) #base #repeated #considered)
     });
     quote! {
         const PARTS: [#core::declare::Part; #count] = [#(#parts),*];

@@ -57,6 +57,9 @@ mod view;
 ///
 /// `#[base]` on the first field of a filter: the filter extends the filter of that type.
 ///
+/// `#[consider]` on a field of parameters: its states are considered. No measurement changes them, and what their priors make uncertain is
+/// in the covariance of the others (Schmidt 1966).
+///
 /// Documentation of a field becomes the documentation of its method on the view.
 ///
 /// # What is written
@@ -67,7 +70,7 @@ mod view;
 /// - `Nav::DIM`, the number of states, and `Nav::OFFSETS`, a `NavOffsets` with the first state of each field;
 /// - `NavView<'a, T>`, the estimate by name: one method per field returns the view of its block. The view of
 ///   a filter with a base dereferences to the view of the base.
-#[proc_macro_derive(StateBlocks, attributes(filter, group, base))]
+#[proc_macro_derive(StateBlocks, attributes(filter, group, base, consider))]
 pub fn derive_state_blocks(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);
     expand::derive(&input).into()

@@ -38,7 +38,12 @@ pub const fn filter_field(parts: &[Part], i: usize, leading: &[Need]) -> Text {
     if extends(parts) {
         return text;
     }
-    let text = out_of_order(text, parts, i, leading);
+    let mut text = out_of_order(text, parts, i, leading);
+    if parts[i].considered && leads(&parts[i], leading) {
+        text = text.next().with_name(parts[i].name).with(
+            " is considered, but leading states are what is navigated: `#[consider]` is for parameter blocks",
+        );
+    }
     if parts[i].relaxes() && leads(&parts[i], leading) {
         return text
             .next()

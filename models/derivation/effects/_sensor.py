@@ -1,6 +1,6 @@
 """What the files of sensor effects share."""
 
-from sympy import zeros
+from sympy import Matrix, zeros
 
 from ..frames import SIGNALS, Signals, linearise
 from ..table import FORCE, INPUTS, PAPER, Table
@@ -22,6 +22,23 @@ def sensor_table(first, reading, parameters, *, name, components, unit, descript
         equation=equation,
         source=f"{equations} of {PAPER}" if equations else f"not in {PAPER}",
         jacobian=jacobian,
+        rows=INPUTS,
+        columns=components,
+        fields=SIGNALS,
+        unit=unit,
+        components=components,
+    )
+
+
+def influence_table(rate, force, parameters, *, name, components, unit, description, equation):
+    """Jacobian of what an influence from outside seems to add to the readings of both triads."""
+    return Table(
+        name=name,
+        kind="sensors",
+        description=description,
+        equation=equation,
+        source=f"not in {PAPER}",
+        jacobian=linearise(Matrix.vstack(rate, force), parameters),
         rows=INPUTS,
         columns=components,
         fields=SIGNALS,
