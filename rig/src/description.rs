@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use nalgebra::Vector3;
-use sinscal::{InitialAttitude, ReferenceSigma, SensorNoise, Setup, Site};
+use sinscal::{BiasWander, InitialAttitude, ReferenceSigma, SensorNoise, Setup, Site};
 
 /// Noise figures must be positive for a filter to work: what is noiseless is described by these.
 const LEAST: ReferenceSigma = ReferenceSigma { velocity: 1e-6, position: 1e-6, attitude: 1e-7 };
@@ -32,6 +32,8 @@ pub struct Description {
     pub update_rate: f64,
     /// Random walks of the sensors.
     pub noise: SensorNoise,
+    /// How their biases wander.
+    pub wander: BiasWander,
     /// Where temperature effects vanish, degC.
     pub reference_temperature: f64,
     /// First guess of the outer lever arm, m.
@@ -64,6 +66,7 @@ impl Description {
             reference_temperature: self.reference_temperature,
             outer_lever: self.outer_lever,
             priors,
+            wander: self.wander,
             ..Setup::new(self.rate, self.site, self.initial, self.reference, self.noise)
         }
     }
@@ -100,6 +103,20 @@ impl Description {
         line("[noise]".into());
         line(format!("gyro_arw_deg_sqrt_h = {:?}", tidy(self.noise.angle_random_walk.to_degrees() * 60.0)));
         line(format!("accel_vrw_ug_sqrt_hz = {:?}", tidy(self.noise.velocity_random_walk / micro_g)));
+        let of = |figure: f64, unit: f64| tidy(figure / unit);
+        let rate = 1.0_f64.to_radians() / 3600.0;
+        for (sensor, [walk, instability], unit) in
+            [("gyro", ["deg_h_sqrt_h", "deg_h"], rate), ("accel", ["ug_sqrt_h", "ug"], micro_g)]
+        {
+            let i = usize::from(sensor == "accel");
+            if let Some(figure) = self.wander.random_walk[i] {
+                line(format!("{sensor}_bias_random_walk_{walk} = {:?}", of(figure, unit / 60.0)));
+            }
+            if let Some((sigma, time)) = self.wander.gauss_markov[i] {
+                line(format!("{sensor}_bias_instability_{instability} = {:?}", of(sigma, unit)));
+                line(format!("{sensor}_bias_correlation_s = {time:?}"));
+            }
+        }
         line("[temperature]".into());
         line(format!("reference_c = {:?}", self.reference_temperature));
         line("[outer_lever]".into());

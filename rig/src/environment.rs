@@ -69,6 +69,8 @@ pub struct TemperaturePlan {
 #[derive(Clone, Debug)]
 pub(crate) struct Temperatures {
     plan: TemperaturePlan,
+    /// Of the thermometers at the accelerometers, and of those at the gyros.
+    errors: [ThermometerErrors; 2],
     around: f64,
     /// At the beginning of the interval and at its end, without the offsets.
     before: f64,
@@ -87,21 +89,45 @@ fn follow(value: f64, from: f64, to: f64, lag: f64, dt: f64) -> f64 {
     to - slope * lag + (value - from + slope * lag) * (-dt / lag).exp()
 }
 
+/// What is wrong with the thermometers of a triad, as the effects of these names have it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct ThermometerErrors {
+    /// s.
+    pub(crate) lag: f64,
+    pub(crate) scale: f64,
+    /// K.
+    pub(crate) offset: f64,
+}
+
 impl Temperatures {
-    pub(crate) fn new(plan: &TemperaturePlan, seed: Seed, dt: f64) -> Self {
+    pub(crate) fn new(plan: &TemperaturePlan, errors: [ThermometerErrors; 2], seed: Seed, dt: f64) -> Self {
         let start = plan.profile.at(0.0);
         let noise = Stream::in_run(seed, "noise/thermometers");
-        Self { plan: plan.clone(), around: start, before: start, now: start, thermometer: start, noise, dt }
+        Self {
+            plan: plan.clone(),
+            errors,
+            around: start,
+            before: start,
+            now: start,
+            thermometer: start,
+            noise,
+            dt,
+        }
     }
 
     /// Moves on to the interval that ends at `time`.
     pub(crate) fn advance(&mut self, time: f64) {
+        self.advance_over(time, self.dt);
+    }
+
+    /// Moves on to the interval of `dt` seconds that ends at `time`.
+    pub(crate) fn advance_over(&mut self, time: f64, dt: f64) {
         let around = self.plan.profile.at(time);
         self.before = self.now;
-        self.now = follow(self.before, self.around, around, self.plan.sensor_lag, self.dt);
-        self.thermometer =
-            follow(self.thermometer, self.before, self.now, self.plan.thermometer_lag, self.dt);
+        self.now = follow(self.before, self.around, around, self.plan.sensor_lag, dt);
+        self.thermometer = follow(self.thermometer, self.before, self.now, self.plan.thermometer_lag, dt);
         self.around = around;
+        self.dt = dt;
     }
 
     /// Temperatures above the reference of accelerometers and gyros, `part` of the way through the interval, K.
@@ -118,15 +144,20 @@ impl Temperatures {
 
     /// Readings at the end of the interval: accelerometers and gyros, degC.
     pub(crate) fn read(&mut self) -> (Vector3<f64>, Vector3<f64>) {
-        let mut reading = |offset: &Vector3<f64>| {
+        let rate = self.rate();
+        let mut reading = |offset: &Vector3<f64>, errors: &ThermometerErrors| {
             let noise = if self.plan.thermometer_noise > 0.0 {
                 self.noise.normals() * self.plan.thermometer_noise
             } else {
                 Vector3::zeros()
             };
-            offset.add_scalar(self.thermometer) + noise
+            let ThermometerErrors { lag, scale, offset: too_high } = *errors;
+            let there = offset.add_scalar(self.thermometer);
+            let read = there + there.add_scalar(-self.plan.reference) * scale;
+            read.add_scalar(too_high - lag * rate) + noise
         };
-        (reading(&self.plan.accelerometer_offset), reading(&self.plan.gyro_offset))
+        let [accelerometers, gyros] = &self.errors;
+        (reading(&self.plan.accelerometer_offset, accelerometers), reading(&self.plan.gyro_offset, gyros))
     }
 }
 
@@ -182,7 +213,7 @@ mod tests {
             thermometer_noise: 0.0,
             rate: 1.0,
         };
-        let mut temperatures = Temperatures::new(&plan, Seed { unit: 1, run: 0 }, 0.1);
+        let mut temperatures = Temperatures::new(&plan, Default::default(), Seed { unit: 1, run: 0 }, 0.1);
         for k in 1..=50_000 {
             temperatures.advance(f64::from(k) * 0.1);
         }

@@ -23,6 +23,7 @@
 //! This crate does no input or output. It knows effects as objects ([`AnyEffect`](sinscal::AnyEffect)), those of the catalogue and
 //! your own ([`Scenario::parse_with`]), and shares no other code with the filters but the Earth and the types of a sample.
 
+mod ahead;
 pub mod analyses;
 mod description;
 mod dither;
@@ -36,6 +37,7 @@ mod sensors;
 mod simulate;
 mod truth;
 
+pub use ahead::Ahead;
 pub use description::Description;
 pub use dither::DitherMotion;
 pub use environment::{Amplitudes, TemperaturePlan, TemperatureProfile};

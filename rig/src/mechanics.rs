@@ -53,6 +53,12 @@ impl Place {
         }
     }
 
+    /// The same place with gravity stronger by `excess`, m/s^2.
+    #[must_use]
+    pub(crate) fn heavier(self, excess: f64) -> Self {
+        Self { gravity: self.gravity + excess, ..self }
+    }
+
     /// Position (m) and velocity (m/s) of the unit's sensitive centre in n.
     pub fn position(&self, rotation: &Rotation, centre: &Centre) -> (Vector3<f64>, Vector3<f64>) {
         (

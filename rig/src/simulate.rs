@@ -1,11 +1,14 @@
 //! The simulation: a stream of samples.
 
 use nalgebra::{UnitQuaternion, Vector3};
-use sinscal::{Point, Reference, ReferenceSigma, Sample, SensorNoise, Signals};
+use sinscal::{
+    AccelBiasRandomWalk, AccelBiasWander, BiasWander, Effect as _, EffectInfo, GyroBiasRandomWalk,
+    GyroBiasWander, Point, Reference, ReferenceSigma, Sample, SensorNoise, Signals, Site,
+};
 
 use crate::description::Description;
 use crate::dither::FullDither;
-use crate::environment::{Amplitudes, Temperatures};
+use crate::environment::{Amplitudes, Temperatures, ThermometerErrors};
 use crate::mechanics::{Felt, Place};
 use crate::motion::{Centre, Motion, Rotation};
 use crate::noise::Noise;
@@ -26,8 +29,10 @@ const FIXED_POINT_RATE: f64 = 1.0;
 /// It holds no samples: a log of any length takes the same memory. The same scenario and seed give the same bits.
 #[derive(Clone, Debug)]
 pub struct Simulation {
+    /// True length of an interval, s, and true rate; what the clock of the log makes of a second.
     dt: f64,
     rate: f64,
+    clock: f64,
     samples: u64,
     next: u64,
     truth: Truth,
@@ -42,20 +47,22 @@ pub struct Simulation {
     own: bool,
     /// Delay of the accelerometers, s.
     delay: f64,
-    temperatures: Temperatures,
+    pub(crate) temperatures: Temperatures,
     temperature_every: u64,
     gyro_noise: Noise,
     accelerometer_noise: Noise,
-    dither: Dither,
+    pub(crate) dither: Dither,
     reference: References,
 }
 
 #[derive(Clone, Debug)]
-struct Dither {
+pub(crate) struct Dither {
     amplitudes: Option<Amplitudes>,
     full: Option<FullDither>,
     every: u64,
     reading_noise: f64,
+    /// By how much the pick-offs read too large.
+    scale: Vector3<f64>,
     noise: Stream,
 }
 
@@ -80,10 +87,24 @@ impl Simulation {
         scenario.check()?;
         let truth = scenario.unit(seed);
         let seed = Seed { unit: seed, run: scenario.run };
-        let dt = 1.0 / scenario.rate;
+        // an interval of a stamped second lasts (1 + c) seconds
+        let stretched = 1.0 + truth.value("clock-scale", 0);
+        let dt = stretched / scenario.rate;
         let (motion, _) = scenario.motion.build(&scenario.table);
         let table = scenario.table;
-        let place = Place::new(&scenario.site, truth.vector("outer-lever-arm"));
+        // the unit stands where it stands; what the log says of the site is another matter
+        let site = Site {
+            latitude: scenario.site.latitude + truth.value("site-latitude", 0),
+            height: scenario.site.height + truth.value("site-height", 0),
+            ..scenario.site
+        };
+        let place =
+            Place::new(&site, truth.vector("outer-lever-arm")).heavier(truth.value("site-gravity", 0));
+        let thermometers = [0, 1].map(|group| ThermometerErrors {
+            lag: truth.value("thermometer-lag", group),
+            scale: truth.value("thermometer-scale", group),
+            offset: truth.value("thermometer-offset", group),
+        });
         let effects = scenario.population.iter().map(|population| population.effect);
         let own = effects.clone().any(|effect| sinscal::effect(effect.name()).is_none());
         let sensors = Sensors::new(&truth, effects);
@@ -106,6 +127,10 @@ impl Simulation {
                 angle_random_walk: scenario.gyro.white,
                 velocity_random_walk: scenario.accelerometer.white,
             },
+            wander: BiasWander {
+                random_walk: [scenario.gyro.bias_walk(), scenario.accelerometer.bias_walk()],
+                gauss_markov: [scenario.gyro.wander(), scenario.accelerometer.wander()],
+            },
             reference_temperature: scenario.temperature.reference,
             outer_lever: scenario.initial.outer_lever,
             title: format!("{}unit {}, run {}", Description::MARK, seed.unit, seed.run),
@@ -125,13 +150,14 @@ impl Simulation {
         };
         Ok(Self {
             dt,
-            rate: scenario.rate,
+            rate: scenario.rate / stretched,
+            clock: 1.0 / stretched,
             samples: scenario.samples(),
             next: 0,
             rigid: table.is_rigid(),
             panels: scenario.panels(),
-            dither: Dither::new(scenario, &sensors, seed),
-            temperatures: Temperatures::new(&scenario.temperature, seed, dt),
+            dither: Dither::new(scenario, &sensors, &truth.vector("dither-scale"), seed),
+            temperatures: Temperatures::new(&scenario.temperature, thermometers, seed, dt),
             temperature_every: every(scenario.temperature.rate),
             gyro_noise: Noise::new(&scenario.gyro, seed, "gyro", dt),
             accelerometer_noise: Noise::new(&scenario.accelerometer, seed, "accelerometer", dt),
@@ -147,9 +173,25 @@ impl Simulation {
         })
     }
 
-    /// The unit's true parameters.
+    /// The unit's true parameters. How far the biases have wandered and walked by the end stands there once the last sample
+    /// was taken.
     pub fn truth(&self) -> &Truth {
         &self.truth
+    }
+
+    /// Takes down how far the biases have gone.
+    fn note_wander(&mut self) {
+        let wander = self.description.wander;
+        let [gyro, accelerometer] = [self.gyro_noise.biases(), self.accelerometer_noise.biases()];
+        let mut note = |stated: bool, effect: &'static EffectInfo, value: Vector3<f64>| {
+            if stated {
+                self.truth.insert(effect, value.iter().copied().collect());
+            }
+        };
+        note(wander.gauss_markov[0].is_some(), const { &GyroBiasWander::EFFECT }, gyro[0]);
+        note(wander.gauss_markov[1].is_some(), const { &AccelBiasWander::EFFECT }, accelerometer[0]);
+        note(wander.random_walk[0].is_some(), const { &GyroBiasRandomWalk::EFFECT }, gyro[1]);
+        note(wander.random_walk[1].is_some(), const { &AccelBiasRandomWalk::EFFECT }, accelerometer[1]);
     }
 
     /// What is known of the log.
@@ -234,23 +276,30 @@ impl Simulation {
 
     /// What the errors of the reference depend on at time `t`.
     fn point(&self, t: f64) -> Point<f64> {
+        self.seen(t).0
+    }
+
+    /// The same, and what an ideal unit feels there.
+    pub(crate) fn seen(&self, t: f64) -> (Point<f64>, Felt) {
         let (rotation, centre) = self.motion(t);
         let (position, velocity) = self.place.position(&rotation, &centre);
+        let felt = self.place.felt(&rotation, &centre);
         let site = self.description.site;
-        Point {
+        let point = Point {
             c_bn: rotation.c_bn,
             velocity,
             latitude: site.latitude,
             height: site.height,
             position,
-            force_n: rotation.c_bn * self.place.felt(&rotation, &centre).force,
+            force_n: rotation.c_bn * felt.force,
             rate_eb: rotation.rate,
             lever: self.place.lever,
             point_velocity: centre.velocity,
             point_acceleration: centre.acceleration,
             point_position: centre.position,
             ..Point::default()
-        }
+        };
+        (point, felt)
     }
 
     fn reference(&mut self, time: f64) -> Reference {
@@ -282,7 +331,7 @@ impl Simulation {
 }
 
 impl Dither {
-    fn new(scenario: &Scenario, sensors: &Sensors, seed: Seed) -> Self {
+    fn new(scenario: &Scenario, sensors: &Sensors, scale: &Vector3<f64>, seed: Seed) -> Self {
         let plan = &scenario.dither;
         let spread = Stream::new(seed.unit, "dither/amplitudes").normals();
         let mut random = Stream::in_run(seed, "dither/phases");
@@ -302,6 +351,7 @@ impl Dither {
             full,
             every: (scenario.rate / plan.rate).round().max(1.0) as u64,
             reading_noise: plan.reading_noise,
+            scale: *scale,
             noise: Stream::in_run(seed, "noise/dither-readings"),
         }
     }
@@ -309,13 +359,15 @@ impl Dither {
     /// Half the squares of the amplitudes at `time`, where the mean of the size effect is what counts.
     #[inline]
     fn mean_square(&self, time: f64) -> Vector3<f64> {
-        match (&self.amplitudes, &self.full) {
-            (Some(amplitudes), None) => {
-                let a = amplitudes.at(time);
-                a.component_mul(&a) * 0.5
-            }
-            _ => Vector3::zeros(),
-        }
+        if self.full.is_some() { Vector3::zeros() } else { self.expected(time) }
+    }
+
+    /// Half the squares of the amplitudes at `time`, however the dither is simulated.
+    pub(crate) fn expected(&self, time: f64) -> Vector3<f64> {
+        self.amplitudes.as_ref().map_or(Vector3::zeros(), |amplitudes| {
+            let a = amplitudes.at(time);
+            a.component_mul(&a) * 0.5
+        })
     }
 
     fn read(&mut self, time: f64) -> Vector3<f64> {
@@ -324,7 +376,10 @@ impl Dither {
         } else {
             Vector3::zeros()
         };
-        self.amplitudes.as_ref().map_or(Vector3::repeat(f64::NAN), |amplitudes| amplitudes.at(time) + noise)
+        self.amplitudes.as_ref().map_or(Vector3::repeat(f64::NAN), |amplitudes| {
+            let there = amplitudes.at(time);
+            there + there.component_mul(&self.scale) + noise
+        })
     }
 }
 
@@ -350,6 +405,9 @@ impl Iterator for Simulation {
         }
         self.gyro_noise.add(&mut dtheta);
         self.accelerometer_noise.add(&mut dvel);
+        if self.next == self.samples {
+            self.note_wander();
+        }
 
         // readings stand in the first row and wherever their interval ends
         let due = |every: u64| k == 0 || (k + 1).is_multiple_of(every);
@@ -367,6 +425,7 @@ impl Iterator for Simulation {
                 ..Reference::default()
             },
         };
+        let time = time * self.clock;
         Some(Sample { time, dtheta, dvel, temperature, gyro_temperature, dither, reference })
     }
 

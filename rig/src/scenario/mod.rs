@@ -5,12 +5,13 @@ mod fault;
 mod read;
 mod reader;
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use sinscal::{AnyEffect, Dither, Filter, InitialAttitude, Site, declares};
 
 use crate::environment::TemperaturePlan;
 use crate::motion::{
-    Imperfections, Motion, NINETEEN_POSITIONS, Swing, TWO_AXIS, Turn, Turntable, eighteen_rotations, turns,
+    Axis, Imperfections, Motion, NINETEEN_POSITIONS, Rotation, Swing, TWO_AXIS, Turn, Turning, Turntable,
+    eighteen_rotations, turns,
 };
 use crate::noise::NoiseFigures;
 use crate::random::{Seed, Stream};
@@ -112,6 +113,19 @@ impl MotionPlan {
             Path::Turns(list) => Some(list.clone()),
             Path::Swing { .. } | Path::Still => None,
         }
+    }
+
+    /// C_bn at the beginning and, of a path of turns, after each of them, on a perfect table.
+    pub fn attitudes(&self) -> Vec<Matrix3<f64>> {
+        let mut now = self.start.to_rotation_matrix().into_inner();
+        let mut attitudes = vec![now];
+        for turn in self.turns().unwrap_or_default() {
+            let whole = Turning { angle: turn.angle, ..Turning::default() };
+            let turned = Rotation::about(&turn.axis.direction(), &whole).c_bn;
+            now = if matches!(turn.axis, Axis::Body(_)) { now * turned } else { turned * now };
+            attitudes.push(now);
+        }
+        attitudes
     }
 
     /// The motion and how long it takes, s.

@@ -56,3 +56,8 @@ pub(crate) fn calibrate<F: Filter<Dynamics = Strapdown>>(scenario: &Scenario, se
         worst,
     }
 }
+
+/// Whether a population can have an effect: the dither's follows from the inner lever arms, and how biases wander is a matter of the noise.
+pub(crate) fn can_be_given(effect: &str) -> bool {
+    effect != "dither-size-effect" && sinscal::any_effect(effect).is_some_and(|effect| !effect.is_wander())
+}

@@ -6,6 +6,7 @@ mod dither;
 mod fuzz;
 mod increments;
 mod nees;
+mod noise;
 mod outliers;
 mod round_trip;
 mod scenario;

@@ -3,6 +3,8 @@
 use rig::{DEFAULT_SCENARIO, Scenario};
 use sinscal::EFFECTS;
 
+use crate::common::can_be_given;
+
 /// The faults of a scenario, as people see them.
 fn faults(text: &str) -> Vec<String> {
     match Scenario::parse(text) {
@@ -160,11 +162,11 @@ fn the_alternatives_shown_in_comments_work() {
 #[test]
 fn every_effect_can_be_given() {
     let mut text = String::from("[population]\n");
-    for effect in EFFECTS.iter().filter(|effect| effect.name() != "dither-size-effect") {
+    for effect in EFFECTS.iter().filter(|effect| can_be_given(effect.name())) {
         text += &format!("{} = \"1 {}\"\n", effect.name(), effect.sheet_unit);
     }
     let truth = Scenario::parse(&text).unwrap().unit(1);
-    assert_eq!(truth.effects().len(), 27);
+    assert_eq!(truth.effects().len(), 36);
     assert_eq!(truth.vector("dither-size-effect"), truth.vector("inner-lever-arm"));
 }
 

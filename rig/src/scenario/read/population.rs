@@ -25,6 +25,12 @@ pub(super) fn population(r: &mut Reader<'_>, own: &[&'static dyn AnyEffect]) -> 
             r.refuse(&entry, "follows from the dither and the inner lever arms", accepted);
             continue;
         }
+        if effect.is_wander() {
+            let accepted =
+                "bias_instability, bias_correlation and bias_random_walk of [gyro] and [accelerometer]";
+            r.refuse(&entry, "is drawn as the log goes on", accepted);
+            continue;
+        }
         let usual = units::of_parameters(effect.info().unit());
         let units = if usual.is_empty() { effect.info().units() } else { usual };
         let n = effect.dim();
