@@ -11,7 +11,7 @@ use super::fault::{LogError, shown};
 use super::layout::{Asked, Holds, Layout, Variable};
 
 /// No line of a log is longer; a file without line ends must not fill the memory.
-const LONGEST_LINE: u64 = 1 << 16;
+pub(super) const LONGEST_LINE: u64 = 1 << 16;
 /// Rows per batch.
 const ROWS: usize = 4096;
 /// So many lines, of so many bytes together, show how a file is written.
@@ -111,11 +111,14 @@ impl CsvSource {
     }
 
     fn number(&self, field: &str, slot: usize) -> Option<f64> {
-        match self.origin.filter(|_| slot == Group::TIME.first) {
+        let is_time = slot == Group::TIME.first;
+        let date = |origin: i64| exact::date_since(field, origin).filter(|_| is_time);
+        let number = match self.origin.filter(|_| is_time) {
             Some(origin) if self.decimal_comma => exact::since(&field.replacen(',', ".", 1), origin),
             Some(origin) => exact::since(field, origin),
             None => dialect::number(field, self.decimal_comma),
-        }
+        };
+        number.or_else(|| date(self.origin.unwrap_or(0)))
     }
 
     /// A fault of the row being read.
@@ -155,7 +158,7 @@ impl CsvSource {
         } else if self.row == 1 && slot == 0 && begins_with(|c| c.is_ascii_alphabetic()) {
             "the rows of numbers begin in the line after the names of the columns: no line of units between"
         } else if slot == 0 {
-            "times are seconds, as plain numbers such as 12.34: no quotes, no dates, no clock times"
+            "write times as plain numbers such as 12.34, as dates such as 2023-11-14T22:13:20.005, or as times of a day such as 22:13:20.005"
         } else if begins_with(|c| c.is_ascii_digit() || "+-.'\u{2212}".contains(c))
             && field != "-"
             && field != "--"
@@ -200,7 +203,7 @@ impl Source for CsvSource {
 }
 
 /// How a file is written, and the number of the last line before its rows.
-fn head(path: &Path) -> Result<(Dialect, u64), LogError> {
+pub(super) fn head(path: &Path) -> Result<(Dialect, u64), LogError> {
     let mut lines = Lines::open(path, dialect::Separator::Byte(b'\t'))?;
     let mut head: Vec<(u64, Vec<u8>)> = Vec::new();
     let mut bytes = 0;

@@ -6,10 +6,11 @@
 //! |---|---|
 //! | `[initial]` | the library aligns on the first still stretch |
 //! | `[reference]` | 0.001 m/s, 0.002 m, 0.01 deg; a warning when the table of samples has reference columns |
-//! | `[noise]` | 0.001 deg/sqrt(h), 5 ug/sqrt(Hz), with a warning |
+//! | `[noise]` | that of the class, or 0.001 deg/sqrt(h), 5 ug/sqrt(Hz), with a warning |
 //! | `[temperature]` | 25 degC |
 //! | `[outer_lever]` | zero |
-//! | `[prior]` | the priors of the blocks |
+//! | `[prior]` | the priors of the class that `imu.grade` names, or of the blocks |
+//! | `[uncertainty]` | site, clock, thermometers and reference are taken as exact |
 //! | `[axes]` | the axes are ours: right, forward, up; east, north, up |
 //! | `[time]` | stamps stand as they are, gaps are not bridged |
 //! | `[table]` | names are those of the format or of `--map` |
@@ -23,42 +24,34 @@ use std::path::Path;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use crate::{suggest, units};
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use sinscal::{EffectInfo, InitialAttitude, ReferenceSigma, SensorNoise, Site};
+use crate::grade::Grade;
+use crate::units;
+use nalgebra::Vector3;
+use sinscal::{BiasWander, InitialAttitude, ReferenceSigma, SensorNoise, Site};
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
 
-use super::axes;
 use super::fault::LogError;
-use super::fields::{self, Document, Must, Section};
-use super::increments::Values;
-use super::reading::{self, Reading};
+use super::fields::{Document, Must};
+use super::reading::Reading;
+use super::sections::{
+    read_initial, read_noise, read_priors, read_reading, read_site, read_uncertainty, samples,
+};
 
 /// Descriptions are small; what is larger is some other file.
 const LARGEST: u64 = 1 << 20;
 
-/// A quaternion's norm may differ from 1 by this much; it is normalised then.
-pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
 /// Sensors lie within this many degC, and so do their reference temperatures.
 pub(super) const TEMPERATURES: (f64, f64) = (-80.0, 150.0);
 
 /// Sigmas of a reading that a filter can compute with, and beyond which nothing is measured: m/s, m, deg.
 const SIGMAS: [(f64, f64); 3] = [(1e-9, 1e3), (1e-9, 1e6), (1e-9, 180.0)];
-/// Random walks, from far below any sensor to far above: deg/sqrt(h), ug/sqrt(Hz).
-const WALKS: [(f64, f64); 2] = [(1e-9, 1e4), (1e-6, 1e7)];
-/// What else `[noise]` may say: deg/h/sqrt(h), ug/sqrt(h), deg/h with s, ug with s.
-const WANDERS: [(f64, f64); 6] =
-    [(1e-9, 1e6), (1e-6, 1e7), (1e-9, 1e6), (1e-3, 1e9), (1e-6, 1e7), (1e-3, 1e9)];
-/// Priors in SI units that a filter can compute with.
-const PRIORS: (f64, f64) = (1e-15, 1e6);
 
 /// What a line of a description may be.
 const TOML: &str = "a line is [TABLE] or NAME = VALUE; numbers have a point, no unit and no quotes (32.06), lists brackets ([1.0, \
                     0.0]), names of units straight quotes (\"ug\"); remarks begin with #";
 
-const IMU: &[&str] = &["rate_hz", "gyro_rad_per_pulse", "accel_m_s_per_pulse", "samples"];
-const SITE: &[&str] = &["latitude_deg", "longitude_deg", "height_m"];
+const IMU: &[&str] = &["rate_hz", "gyro_rad_per_pulse", "accel_m_s_per_pulse", "samples", "grade"];
 const INITIAL: &[&str] = &["quaternion_wxyz", "level_sigma_deg", "heading_sigma_deg"];
 const REFERENCE: &[&str] = &[
     "velocity_sigma_m_s",
@@ -69,18 +62,6 @@ const REFERENCE: &[&str] = &[
     "offset_s",
     "accept_fix",
 ];
-const TIME: &[&str] = &["stamps", "bridge_gaps_s"];
-const TABLE: &[&str] = &["columns", "map"];
-const NOISE: &[&str] = &[
-    "gyro_arw_deg_sqrt_h",
-    "accel_vrw_ug_sqrt_hz",
-    "gyro_bias_random_walk_deg_h_sqrt_h",
-    "accel_bias_random_walk_ug_sqrt_h",
-    "gyro_bias_instability_deg_h",
-    "gyro_bias_correlation_s",
-    "accel_bias_instability_ug",
-    "accel_bias_correlation_s",
-];
 const SECTIONS: &[&str] = &[
     "imu",
     "site",
@@ -90,9 +71,24 @@ const SECTIONS: &[&str] = &[
     "temperature",
     "outer_lever",
     "prior",
+    "uncertainty",
     "axes",
     "time",
     "table",
+];
+
+/// What `[uncertainty]` may state, and the effect whose standard deviation it is.
+pub(super) const UNCERTAINTIES: [(&str, &str); 10] = [
+    ("latitude", "site-latitude"),
+    ("height", "site-height"),
+    ("gravity", "site-gravity"),
+    ("clock", "clock-scale"),
+    ("thermometer_lag", "thermometer-lag"),
+    ("thermometer_scale", "thermometer-scale"),
+    ("thermometer_offset", "thermometer-offset"),
+    ("dither_scale", "dither-scale"),
+    ("reference_delay", "reference-delay"),
+    ("reference_scale", "reference-scale"),
 ];
 
 /// What the reference of a log is.
@@ -119,20 +115,11 @@ impl FromStr for ReferenceKind {
     }
 }
 
-/// How biases wander, SI: what `[noise]` says beside the random walks of angle and velocity. Nothing stands for what is not said.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BiasWander {
-    /// Random walk of the gyros' biases, rad/s/sqrt(s), and of those of the accelerometers, m/s^2/sqrt(s).
-    pub random_walk: [Option<f64>; 2],
-    /// Gauss-Markov process of the same: standard deviation, rad/s and m/s^2, and correlation time, s.
-    pub gauss_markov: [Option<(f64, f64)>; 2],
-}
-
 /// What a table `[noise]` says.
 #[derive(Clone, Copy)]
-struct Stated {
-    white: SensorNoise,
-    wander: BiasWander,
+pub(super) struct Stated {
+    pub(super) white: SensorNoise,
+    pub(super) wander: BiasWander,
 }
 
 impl Stated {
@@ -151,6 +138,8 @@ impl Stated {
 pub struct Description {
     /// Nominal sampling rate, Hz.
     pub rate: f64,
+    /// The class of the unit, where that is said.
+    pub grade: Option<Grade>,
     /// Angle per gyro pulse, rad.
     pub gyro_pulse: Option<Vector3<f64>>,
     /// Velocity per accelerometer pulse, m/s.
@@ -174,6 +163,10 @@ pub struct Description {
     pub outer_lever: Vector3<f64>,
     /// Standard deviations by effect, SI.
     pub priors: Vec<(&'static str, f64)>,
+    /// Effects whose priors are those of the class.
+    pub(super) presumed: Vec<&'static str>,
+    /// Standard deviations of what is not the unit's, by effect, SI: those that the description states. They stand among the priors too.
+    pub uncertainty: Vec<(&'static str, f64)>,
     /// What the reference is, where that is said.
     pub reference_kind: Option<ReferenceKind>,
     /// File of the reference, where it has one of its own.
@@ -193,6 +186,21 @@ impl Description {
     /// Whether the gyros are good enough to feel the Earth's rate.
     pub(super) fn is_navigation_grade(&self) -> bool {
         self.noise.angle_random_walk < NAVIGATION_WALK
+    }
+
+    /// Priors that are not given become those of a class.
+    pub(super) fn presume(&mut self, grade: Grade) {
+        for (name, sigma, _) in grade.priors() {
+            if !self.priors.iter().any(|(given, _)| given == name) {
+                self.priors.push((name, *sigma));
+                self.presumed.push(name);
+            }
+        }
+        for (name, sigma) in grade.influences() {
+            if !self.priors.iter().any(|(given, _)| given == name) {
+                self.priors.push((name, *sigma));
+            }
+        }
     }
 
     /// Prior standard deviation of an effect: the one given, or that of its block; SI.
@@ -250,6 +258,7 @@ impl Description {
             }
         };
         let values = imu.and_then(|imu| doc.word(imu, "samples", samples));
+        let grade = imu.and_then(|imu| doc.word(imu, "grade", Grade::from_str));
         let mut pulse = |key| Some(Vector3::from(doc.list::<3>(imu?, key, Must::BeNonZero)?));
         let gyro_pulse = pulse("gyro_rad_per_pulse");
         let accel_pulse = pulse("accel_m_s_per_pulse");
@@ -304,6 +313,14 @@ impl Description {
             Some(section) => read_priors(doc, section),
             None => Vec::new(),
         };
+        let uncertainty = doc.section(root, "uncertainty", Some(&UNCERTAINTIES.map(|(key, _)| key)));
+        let uncertainty = uncertainty.map_or_else(Vec::new, |section| read_uncertainty(doc, section));
+        let priors: Vec<_> = uncertainty
+            .iter()
+            .filter(|(name, _)| priors.iter().all(|(stated, _)| stated != name))
+            .copied()
+            .chain(priors.iter().copied())
+            .collect();
         document.finish()?;
 
         // What is missing here has been refused above; the fallbacks are never used.
@@ -312,8 +329,9 @@ impl Description {
             Some(initial) => Some(initial.ok_or_else(incomplete)?),
             None => None,
         };
-        Ok(Self {
+        let mut description = Self {
             rate: rate.ok_or_else(incomplete)?,
+            grade,
             gyro_pulse,
             accel_pulse,
             site: site.ok_or_else(incomplete)?,
@@ -326,12 +344,21 @@ impl Description {
             reference_temperature: reference_temperature.ok_or_else(incomplete)?,
             outer_lever: outer_lever.ok_or_else(incomplete)?.into(),
             priors,
+            presumed: Vec::new(),
+            uncertainty,
             reference_kind,
             reference_file,
             reference_offset,
             fixes,
             reading,
-        })
+        };
+        if let Some(grade) = grade {
+            if !noise_given {
+                description.noise = grade.noise();
+            }
+            description.presume(grade);
+        }
+        Ok(description)
     }
 }
 
@@ -359,187 +386,4 @@ fn parsed<'t>(path: &Path, text: &'t Arc<str>) -> Result<Spanned<DeTable<'t>>, L
         let problem = format!("is not valid TOML: {}", error.message());
         LogError::text(path, text, error.span(), None, problem).help(TOML)
     })
-}
-
-/// Reads `[noise]`; nothing where it is not there, and nothing in it where it is faulty.
-fn read_noise(doc: &mut Document<'_>, root: &DeTable<'_>) -> Option<Option<Stated>> {
-    let section = doc.section(root, "noise", Some(NOISE))?;
-    let mut walk = |i: usize| {
-        let (least, most) = WALKS[i];
-        let help = "a figure of the data sheet; it belongs to [noise]";
-        doc.required(section, NOISE[i], Must::LieWithin(least, most), help)
-    };
-    let white = (walk(0), walk(1));
-    let mut stated = |i: usize, unit: f64| {
-        let (least, most) = WANDERS[i - 2];
-        doc.optional(section, NOISE[i], Must::LieWithin(least, most)).map(|value| value * unit)
-    };
-    let rate = units::DEGREE / 3600.0;
-    let random_walk = [stated(2, rate / 60.0), stated(3, units::MICRO_G / 60.0)];
-    let sizes = [(stated(4, rate), stated(5, 1.0)), (stated(6, units::MICRO_G), stated(7, 1.0))];
-    for ((size, time), at) in sizes.iter().zip([4, 6]) {
-        let lacking = match (size, time) {
-            (Some(_), None) => at + 1,
-            (None, Some(_)) => at,
-            _ => continue,
-        };
-        let help = "the size of a wander and its correlation time come together";
-        doc.lack(Some(section), &section.field(NOISE[lacking]), help);
-    }
-    let wander = BiasWander { random_walk, gauss_markov: sizes.map(|(size, time)| size.zip(time)) };
-    let (Some(angle), Some(velocity)) = white else { return Some(None) };
-    let white = SensorNoise {
-        angle_random_walk: angle * units::DEG_PER_SQRT_HOUR,
-        velocity_random_walk: velocity * units::MICRO_G,
-    };
-    Some(Some(Stated { white, wander }))
-}
-
-/// What `imu.samples` may be.
-fn samples(text: &str) -> Result<Values, String> {
-    match text {
-        "averages" => Ok(Values::Averages),
-        "instants" => Ok(Values::Instants),
-        _ => Err(format!("`{text}` is neither averages (over the interval before the stamp) nor instants")),
-    }
-}
-
-/// How the table is read: `[axes]`, `[time]` and `[table]`.
-fn read_reading(doc: &mut Document<'_>, root: &DeTable<'_>, values: Option<Values>) -> Reading {
-    let mut reading = Reading { values, ..Reading::default() };
-    if let Some(section) = doc.section(root, "axes", Some(&axes::NAMES)) {
-        for name in axes::NAMES {
-            doc.word(section, name, |text| reading.axes.set(name, text));
-        }
-    }
-    if let Some(section) = doc.section(root, "time", Some(TIME)) {
-        reading.stamps = doc.word(section, "stamps", str::parse);
-        reading.bridge = doc.optional(section, "bridge_gaps_s", Must::LieWithin(0.0, 10.0));
-    }
-    if let Some(section) = doc.section(root, "table", Some(TABLE)) {
-        reading.columns = doc.word(section, "columns", reading::column_names);
-        if let Some(map) = doc.word(section, "map", str::parse) {
-            reading.map = map;
-        }
-    }
-    reading
-}
-
-fn read_site(doc: &mut Document<'_>, root: &DeTable<'_>) -> Option<Site> {
-    let Some(section) = doc.section(root, "site", Some(SITE)) else {
-        if !root.contains_key("site") {
-            let help = "give [site] latitude_deg, longitude_deg and height_m: gravity and the Earth's rate \
-                        depend on them";
-            doc.lack(None, "site", help);
-        }
-        return None;
-    };
-    let latitude = doc.required(
-        section,
-        "latitude_deg",
-        Must::LieWithin(-89.9, 89.9),
-        "north is positive; at a pole there is no east",
-    );
-    let longitude =
-        doc.required(section, "longitude_deg", Must::LieWithin(-180.0, 360.0), "east is positive");
-    let height =
-        doc.required(section, "height_m", Must::LieWithin(-1000.0, 20_000.0), "height over the ellipsoid");
-    Some(Site { latitude: latitude? * units::DEGREE, longitude: longitude? * units::DEGREE, height: height? })
-}
-
-fn read_initial(doc: &mut Document<'_>, section: Section<'_>) -> Option<InitialAttitude> {
-    let level = doc.required(section, "level_sigma_deg", Must::BePositiveUpTo(180.0), "sigma of the tilt");
-    let heading =
-        doc.required(section, "heading_sigma_deg", Must::BePositiveUpTo(180.0), "sigma of the heading");
-    let field = section.field("quaternion_wxyz");
-    let Some(span) = section.span_of("quaternion_wxyz") else {
-        doc.lack(
-            Some(section),
-            &field,
-            "the attitude at the first row; without [initial] it is found from the data",
-        );
-        return None;
-    };
-    // Any finite number here: what counts is the norm.
-    let [w, x, y, z] = doc.list::<4>(section, "quaternion_wxyz", Must::BeFinite)?;
-    let quaternion = Quaternion::new(w, x, y, z);
-    let norm = quaternion.norm();
-    if (norm - 1.0).abs() > UNIT_TOLERANCE {
-        let problem = format!("has norm {norm:.6}, a unit quaternion was expected (within 0.001)");
-        doc.refuse(span, &field, &problem, Some("the order is w, x, y, z; w is the scalar".into()));
-        return None;
-    }
-    Some(InitialAttitude {
-        attitude: UnitQuaternion::from_quaternion(quaternion),
-        level_sigma: level? * units::DEGREE,
-        heading_sigma: heading? * units::DEGREE,
-    })
-}
-
-fn read_priors(doc: &mut Document<'_>, section: Section<'_>) -> Vec<(&'static str, f64)> {
-    let mut priors = Vec::new();
-    for (key, value) in section.table() {
-        if doc.is_full() {
-            break;
-        }
-        let name = key.get_ref().as_ref();
-        let field = section.field(name);
-        let Some(effect) = sinscal::effect(name) else {
-            let hint = suggest::hint(name, sinscal::EFFECTS.iter().map(EffectInfo::name));
-            doc.refuse(key.span(), &field, "is not an effect", Some(hint));
-            continue;
-        };
-        let accepted = units::of_parameters(effect.unit());
-        let DeValue::Table(table) = value.get_ref() else {
-            let example = format!("write \"{name}\" = {{ sigma = 1.0, unit = \"{}\" }}", effect.unit());
-            doc.refuse(value.span(), &field, "must give a sigma and its unit", Some(example));
-            continue;
-        };
-        doc.only(table, &field, &["sigma", "unit"]);
-        let (sigma_field, unit_field) = (format!("{field}.sigma"), format!("{field}.unit"));
-        let names =
-            || format!("accepted: {}", accepted.iter().map(|(unit, _)| *unit).collect::<Vec<_>>().join(", "));
-        let sigma = match table.get("sigma") {
-            Some(sigma) => doc.number(sigma, &sigma_field, Must::BePositive),
-            None => {
-                doc.refuse(key.span(), &sigma_field, "is missing", Some("one standard deviation".into()));
-                None
-            }
-        };
-        let scale = match table.get("unit").map(|unit| (unit.span(), unit.get_ref())) {
-            Some((span, DeValue::String(unit))) => match units::scale(accepted, unit) {
-                Ok(scale) => Some(scale),
-                Err(help) => {
-                    doc.refuse(
-                        span,
-                        &unit_field,
-                        &format!("`{unit}` is not a unit of this effect"),
-                        Some(help),
-                    );
-                    None
-                }
-            },
-            Some((span, other)) => {
-                let problem = format!("is {}, the name of a unit was expected", fields::kind(other));
-                doc.refuse(span, &unit_field, &problem, Some(names()));
-                None
-            }
-            None => {
-                doc.refuse(key.span(), &unit_field, "is missing", Some(names()));
-                None
-            }
-        };
-        if let (Some(sigma), Some(scale)) = (sigma, scale) {
-            let si_sigma = sigma * scale;
-            if (PRIORS.0..=PRIORS.1).contains(&si_sigma) {
-                priors.push((effect.name(), si_sigma));
-            } else {
-                let unit = effect.unit();
-                let problem = format!("is {si_sigma:e} {unit}: no filter can compute with this");
-                let help = format!("a sigma from {:e} to {:e} {unit} was expected", PRIORS.0, PRIORS.1);
-                doc.refuse(key.span(), &field, &problem, Some(help));
-            }
-        }
-    }
-    priors
 }

@@ -1,5 +1,7 @@
 //! Times that have more digits than a number of 53 bits: counted from an origin before they are rounded.
 
+use chrono::{DateTime, NaiveDateTime, NaiveTime, Timelike};
+
 /// Powers of ten beyond which a text is no time.
 const LARGEST_POWER: i32 = 30;
 /// Digits of a time.
@@ -35,9 +37,44 @@ pub(super) fn since(text: &str, origin: i64) -> Option<f64> {
     Some(whole.checked_sub(origin.into())? as f64 + part)
 }
 
+/// How dates and times of a day are written; a zone is that of no concern within a log.
+const DATES: [&str; 4] =
+    ["%Y-%m-%dT%H:%M:%S%.f", "%Y-%m-%d %H:%M:%S%.f", "%Y/%m/%d %H:%M:%S%.f", "%d.%m.%Y %H:%M:%S%.f"];
+
+/// The date or time of a day `text` less `origin`, s since 1970 or since midnight.
+pub(super) fn date_since(text: &str, origin: i64) -> Option<f64> {
+    let (seconds, nanos) = if let Ok(time) = DateTime::parse_from_rfc3339(text) {
+        (time.timestamp(), time.timestamp_subsec_nanos())
+    } else if let Some(time) = DATES.iter().find_map(|form| NaiveDateTime::parse_from_str(text, form).ok()) {
+        (time.and_utc().timestamp(), time.and_utc().timestamp_subsec_nanos())
+    } else {
+        let time = NaiveTime::parse_from_str(text, "%H:%M:%S%.f").ok()?;
+        (i64::from(time.num_seconds_from_midnight()), time.nanosecond())
+    };
+    Some(seconds.checked_sub(origin)? as f64 + f64::from(nanos) * 1e-9)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn dates_are_seconds() {
+        for text in [
+            "2023-11-14T22:13:20.005Z",
+            "2023-11-14T22:13:20.005",
+            "2023-11-14 22:13:20.005",
+            "2023/11/14 22:13:20.005",
+            "14.11.2023 22:13:20.005",
+            "2023-11-14T23:13:20.005+01:00",
+        ] {
+            assert_eq!(date_since(text, 1_700_000_000), Some(0.005), "{text}");
+        }
+        assert_eq!(date_since("10:22:33.12", 0), Some(37_353.12));
+        for text in ["", "1700000000", "2023-13-14T22:13:20", "10:61:00", "2023-11-14"] {
+            assert_eq!(date_since(text, 0), None, "{text}");
+        }
+    }
 
     #[test]
     fn digits_beyond_those_of_a_double_are_kept() {

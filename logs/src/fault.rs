@@ -8,6 +8,8 @@ use std::sync::Arc;
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use thiserror::Error;
 
+use super::guess::Suggestion;
+
 /// Texts with longer lines are not shown around a fault.
 const LONGEST_QUOTED: usize = 500;
 /// So many faults found together are told, the rest is counted: a reader mends the first of them.
@@ -37,6 +39,8 @@ struct Fault {
     row: Option<u64>,
     /// Column of a faulty cell, or the faulty columns.
     column: Option<String>,
+    /// A map that would likely read the file.
+    map: Option<Suggestion>,
 }
 
 /// The beginning of a text out of a file; what would steer a terminal is left out.
@@ -56,6 +60,7 @@ impl LogError {
             path: 0,
             row: None,
             column: None,
+            map: None,
         }))
     }
 
@@ -130,6 +135,18 @@ impl LogError {
             self.0.help = help;
         }
         self
+    }
+
+    /// Adds a map that would likely read the file.
+    pub(super) fn suggest(mut self, map: Suggestion) -> Self {
+        self.0.help = Some(format!("this looks like {}", map.argument()));
+        self.0.map = Some(map);
+        self
+    }
+
+    /// The map that would likely read the file.
+    pub(super) fn suggestion(&self) -> Option<&Suggestion> {
+        self.0.map.as_ref()
     }
 
     /// Says in which line of a text file the row stands, as editors count: from 1, with the header.

@@ -21,10 +21,13 @@ pub(super) enum Kind {
     Hdf5,
     Npz,
     Npy,
+    Mcap,
+    Bag,
+    Ulog,
 }
 
 /// The ending says what kind of file a table is.
-const ENDINGS: [(&str, Kind); 7] = [
+const ENDINGS: [(&str, Kind); 11] = [
     ("parquet", Kind::Parquet),
     ("csv", Kind::Csv),
     ("mat", Kind::Mat),
@@ -32,6 +35,10 @@ const ENDINGS: [(&str, Kind); 7] = [
     ("hdf5", Kind::Hdf5),
     ("npz", Kind::Npz),
     ("npy", Kind::Npy),
+    ("mcap", Kind::Mcap),
+    ("bag", Kind::Bag),
+    ("ulg", Kind::Ulog),
+    ("ulog", Kind::Ulog),
 ];
 
 /// Endings of tables of text beside `.csv`, which goes before them where a log is named without.
@@ -47,7 +54,14 @@ pub(super) fn load(path: &Path, kind: Kind, asked: Asked<'_>) -> Result<(Memory,
 
 /// Opens a file of arrays, if this build can, and lists them.
 fn open(path: &Path, kind: Kind) -> Result<(Box<dyn Arrays>, Vec<Named>), LogError> {
-    #[cfg(any(feature = "mat", feature = "hdf5", feature = "npz"))]
+    #[cfg(any(
+        feature = "mat",
+        feature = "hdf5",
+        feature = "npz",
+        feature = "mcap",
+        feature = "bag",
+        feature = "ulog"
+    ))]
     fn boxed<T: Arrays + 'static>((file, named): (T, Vec<Named>)) -> (Box<dyn Arrays>, Vec<Named>) {
         (Box::new(file), named)
     }
@@ -60,6 +74,18 @@ fn open(path: &Path, kind: Kind) -> Result<(Box<dyn Arrays>, Vec<Named>), LogErr
         Kind::Npz => return super::npz::Numpy::open_npz(path).map(boxed),
         #[cfg(feature = "npz")]
         Kind::Npy => return super::npz::Numpy::open_npy(path).map(boxed),
+        #[cfg(feature = "mcap")]
+        Kind::Mcap => return super::topics::mcap::open(path).map(boxed),
+        #[cfg(feature = "bag")]
+        Kind::Bag => return super::topics::bag::open(path).map(boxed),
+        #[cfg(feature = "ulog")]
+        Kind::Ulog => return super::topics::ulog::open(path).map(boxed),
+        #[cfg(not(feature = "mcap"))]
+        Kind::Mcap => ("MCAP", "mcap", "or"),
+        #[cfg(not(feature = "bag"))]
+        Kind::Bag => ("bags of ROS 1", "bag", "or"),
+        #[cfg(not(feature = "ulog"))]
+        Kind::Ulog => ("ULog", "ulog", "or"),
         #[cfg(not(feature = "hdf5"))]
         Kind::Hdf5 => ("HDF5, as MATLAB's v7.3 is", "hdf5", "save it in MATLAB with `save -v7`, or"),
         #[cfg(not(feature = "mat"))]
@@ -138,11 +164,11 @@ pub(super) fn find(log: &Path) -> Result<(PathBuf, Kind, PathBuf), LogError> {
         (None, Some(only), None) => only,
         (None, None, _) => {
             let problem = format!(
-                "there is neither {} nor {}, nor one that ends in .mat, .h5, .hdf5, .npz or .npy",
+                "there is neither {} nor {}, nor one that ends in .mat, .h5, .hdf5, .npz, .npy, .mcap, .bag or .ulg",
                 with("parquet").display(),
                 with("csv").display()
             );
-            let endings = "the ending of a table must be .parquet, .csv, .txt, .log, .dat, .tsv, .mat, .h5, .hdf5, .npz or .npy";
+            let endings = "the ending of a table must be .parquet, .csv, .txt, .log, .dat, .tsv, .mat, .h5, .hdf5, .npz, .npy, .mcap, .bag or .ulg";
             let help = if let Some(other) = otherwise_spelled(&stem) {
                 Some(format!("there is {}: endings are written in small letters", other.display()))
             } else {

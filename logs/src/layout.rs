@@ -195,7 +195,7 @@ impl<'a> Search<'a> {
         names.any(|name| {
             NAMES.contains(&name.as_str()) || self.holds == Holds::Arrays && whole(&name).is_some()
         }) || self.psins_variable().is_some()
-            || self.navego_variable().is_some()
+            || self.named_layouts().len() == 1
     }
 
     /// The fault that nothing is known of the file.
@@ -220,11 +220,17 @@ impl<'a> Search<'a> {
             }
         };
         let fits = |group: Group, unit: &str| written::unit(group, unit).is_ok_and(|unit| unit.per_interval);
-        let help = match names::suggested(&self.names, fits) {
-            Some(map) => format!("this looks like {map}"),
-            None => format!("{example}; valid names: {}", NAMES.join(", ")),
-        };
-        LogError::file(self.path, format!("none of its {first}")).help(help)
+        let fault = LogError::file(self.path, format!("none of its {first}"));
+        if let [(beginning, layout), _, ..] = &self.named_layouts()[..] {
+            let (gyro, accel) = (layout.gyro, layout.accel);
+            return fault.help(format!(
+                "there are several units; one of them is --map gyro={beginning}{gyro}:rad/s,accel={beginning}{accel}:m/s^2"
+            ));
+        }
+        match names::suggested(&self.names, fits) {
+            Some(map) => fault.suggest(map),
+            None => fault.help(format!("{example}; valid names: {}", NAMES.join(", "))),
+        }
     }
 
     /// The fault that a variable holds no numbers.

@@ -3,7 +3,7 @@
 //! A log is named by its path with or without ending. Without one, the table beside `NAME.toml` is taken; when there
 //! is both `NAME.parquet` and `NAME.csv` the ending must say which is meant, so that no stale copy is read unnoticed.
 //!
-//! Tables in text (`csv`, in whatever `dialect`) and `parquet` are read in pieces; files of arrays (`mat5`, `hdf5`, `npz`) are
+//! Tables in text (`csv`, in whatever `dialect`) and `parquet` are read in pieces; files of arrays (`mat5`, `hdf5`, `npz`) and recordings of messages (`topics`) are
 //! read into memory. A `layout` says where the columns of the format stand in a file, from its `names` and the `map` of a
 //! [`Reading`]. A `table` puts what is read where it belongs, batch by batch: `stamps`, `increments`, `axes`, a reference that is
 //! `held` or `join`ed from a file of its own. The checks of `rows` and `still` come last, over samples as a filter gets them.
@@ -30,7 +30,9 @@ mod foreign;
 #[cfg(test)]
 mod fuzz;
 mod geodetic;
+mod grade;
 mod guard;
+mod guess;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod held;
@@ -52,7 +54,10 @@ mod quiet;
 mod reading;
 mod refer;
 mod rests;
+mod rewrite;
 mod rows;
+mod samples;
+mod sections;
 mod signals;
 mod stamp;
 mod stamps;
@@ -61,27 +66,29 @@ pub mod suggest;
 mod table;
 #[cfg(test)]
 mod tests;
+#[cfg(any(feature = "mcap", feature = "bag", feature = "ulog"))]
+mod topics;
 pub mod units;
 mod written;
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-use nalgebra::Vector3;
-use sinscal::{CoarseCalibration, Sample, UnknownPulses};
+use sinscal::{CoarseCalibration, UnknownPulses};
 
 use self::columns::{Batch, Group};
 use self::join::Joiner;
 use self::layout::Part;
 use self::refer::{Instead, Referee};
-use self::rows::{Checker, Row};
+use self::rows::Checker;
 use self::still::Stillness;
-use self::table::{Known, Rows, Table};
+use self::table::{Known, Table};
 
 pub use self::ahead::Ahead;
 pub use self::axes::{Axes, Pointing};
-pub use self::description::{BiasWander, Description, ReferenceKind};
+pub use self::description::{Description, ReferenceKind};
 pub use self::fault::LogError;
+pub use self::grade::Grade;
 pub use self::guard::decoding;
 pub use self::increments::Values;
 pub use self::look::{Look, Noise, look};
@@ -89,6 +96,7 @@ pub use self::map::ColumnMap;
 pub use self::quiet::{AtRest, Quiet};
 pub use self::reading::{Reading, column_names};
 pub use self::rests::{Rest, RestFinder, Rests};
+pub use self::samples::{Bridged, Samples};
 pub use self::stamps::Stamps;
 
 /// A fixed point's reference holds at every instant; it is used at this rate, Hz.
@@ -99,9 +107,6 @@ const FIXED_POINT_RATE: f64 = 1.0;
 const MEASURED_RATE: f64 = 10.0;
 /// Rows that come more slowly than this deserve a word, Hz.
 const SLOW: f64 = 20.0;
-/// So many faulty rows are described, the rest is counted.
-const DESCRIBED_ROWS: usize = 8;
-
 /// A log whose description and columns are sound. Rows are checked as they are read.
 #[derive(Debug)]
 pub struct Log {
@@ -117,8 +122,6 @@ pub struct Log {
     instead: Option<Instead>,
     /// What was assumed.
     assumed: Vec<String>,
-    /// Effects whose priors are those of a class.
-    presumed: Vec<&'static str>,
     bridge: f64,
     unknown: UnknownPulses,
     coarse: Option<CoarseCalibration>,
@@ -196,7 +199,6 @@ impl Log {
             no_columns,
             instead: None,
             assumed: Vec::new(),
-            presumed: Vec::new(),
             bridge,
             unknown,
             coarse: None,
@@ -315,251 +317,6 @@ impl Log {
     }
 }
 
-/// Gaps that were filled.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Bridged {
-    /// Number of gaps.
-    pub gaps: u64,
-    /// Number of rows put into them.
-    pub rows: u64,
-}
-
-/// The rows of a log in order, each checked. Ends after the first error.
-pub struct Samples {
-    source: Rows,
-    joiner: Option<Joiner>,
-    checker: Checker,
-    stillness: Stillness,
-    batch: Batch,
-    /// Next row of the batch.
-    next: usize,
-    rows: u64,
-    table: PathBuf,
-    interval: f64,
-    bridge: f64,
-    coarse: Option<CoarseCalibration>,
-    referee: Option<Referee>,
-    gap: Option<Gap>,
-    /// Time, rate and specific force of the last row read.
-    before: Option<(f64, Vector3<f64>, Vector3<f64>)>,
-    /// Whether gyros and accelerometers are given as rates.
-    rates: [bool; 2],
-    /// Time of the last sample given.
-    last: Option<f64>,
-    bridged: Bridged,
-    /// Whether the last fault was that of one row, so that reading can go on after it.
-    in_row: bool,
-    ended: bool,
-}
-
-/// A gap being filled.
-struct Gap {
-    /// Time, rate and specific force before it.
-    before: (f64, Vector3<f64>, Vector3<f64>),
-    after: Sample,
-    /// Rate and specific force of the row after it.
-    rates: (Vector3<f64>, Vector3<f64>),
-    /// Of each of its rows, s.
-    length: f64,
-    steps: u64,
-    step: u64,
-}
-
-impl Samples {
-    /// How far reading has come, out of [`Log::size`].
-    pub fn position(&self) -> u64 {
-        self.source.position()
-    }
-
-    /// What was put into gaps so far.
-    pub fn bridged(&self) -> Bridged {
-        self.bridged
-    }
-
-    /// Checks the next row; nothing at the end.
-    fn row(&mut self) -> Result<Option<Row>, LogError> {
-        self.in_row = false;
-        if self.next == self.batch.rows {
-            self.source.read(&mut self.batch)?;
-            self.next = 0;
-            if self.batch.rows == 0 {
-                if self.rows == 0 {
-                    return Err(LogError::file(&self.table, "has no rows")
-                        .help("one row per IMU sample was expected"));
-                }
-                self.joiner.as_mut().map_or(Ok(()), Joiner::finish)?;
-                return Ok(None);
-            }
-            if let Some(joiner) = &mut self.joiner {
-                joiner.join(&mut self.batch)?;
-            }
-            self.checker.check_batch(&self.batch).map_err(|fault| self.source.explain(fault))?;
-        }
-        self.in_row = true;
-        let place = |fault: LogError| self.source.explain(fault).in_line(self.source.line(self.next));
-        let row = match self.checker.check(&self.batch, self.next) {
-            Ok(Row::AfterGap(sample, seconds, fault)) => Ok(Row::AfterGap(sample, seconds, place(fault))),
-            row => row.map_err(place),
-        };
-        self.next += 1;
-        self.rows += 1;
-        row.map(Some)
-    }
-
-    /// The next sample, or the next of a gap.
-    fn sample(&mut self) -> Result<Option<Sample>, LogError> {
-        if let Some(gap) = &mut self.gap {
-            let filled = gap.sample();
-            if gap.step == gap.steps {
-                self.gap = None;
-            } else {
-                self.bridged.rows += 1;
-            }
-            return Ok(Some(filled));
-        }
-        match self.row()? {
-            None => Ok(None),
-            Some(Row::Next(sample)) => {
-                let step = self.before.map_or(self.interval, |(time, ..)| sample.time - time);
-                self.before = Some(self.as_rates(&sample, step));
-                Ok(Some(sample))
-            }
-            Some(Row::AfterGap(sample, seconds, fault)) => {
-                let after = self.as_rates(&sample, self.interval);
-                let Some(before) = self.before.replace(after).filter(|_| seconds <= self.bridge) else {
-                    return Err(fault);
-                };
-                // A gap is at least 1.5 intervals long, so that there is a row to put in.
-                let steps = ((seconds / self.interval).round() as u64).max(2);
-                self.bridged.gaps += 1;
-                // what is filled in lasts as long as the gap, and no longer
-                let length = seconds / steps as f64;
-                self.gap =
-                    Some(Gap { before, after: sample, rates: (after.1, after.2), length, steps, step: 0 });
-                self.sample()
-            }
-        }
-    }
-
-    /// Time, rate and specific force of a row whose step is so long, s. Increments that were given last one interval.
-    fn as_rates(&self, sample: &Sample, step: f64) -> (f64, Vector3<f64>, Vector3<f64>) {
-        let [gyro, accel] = self.rates.map(|rates| if rates { step } else { self.interval });
-        (sample.time, sample.dtheta / gyro, sample.dvel / accel)
-    }
-
-    /// Reads on after a fault, to tell about the other faulty rows. Rows in a row with the same column are one fault.
-    fn survey(&mut self, first: LogError) -> LogError {
-        let mut last = first.row_number().unwrap_or(0);
-        let mut runs = vec![(first, last)];
-        let mut more = 0_u64;
-        while self.in_row && (self.next < self.batch.rows || runs.len() < DESCRIBED_ROWS) {
-            let fault = match self.row() {
-                Ok(None) => break,
-                Ok(Some(Row::AfterGap(_, seconds, fault))) if seconds > self.bridge => fault,
-                Ok(Some(_)) => continue,
-                Err(fault) => fault,
-            };
-            let row = fault.row_number().unwrap_or(0);
-            let room = runs.len() < DESCRIBED_ROWS;
-            match runs.last_mut() {
-                Some((run, end)) if last == *end && run.continues(last, &fault) => *end = row,
-                _ if room => runs.push((fault, row)),
-                _ => more += 1,
-            }
-            last = row;
-        }
-        let described = runs.into_iter().map(|(fault, end)| match fault.row_number() {
-            Some(row) if end > row => fault.note(format!("and so on in every row up to row {end}")),
-            _ => fault,
-        });
-        let mut all =
-            LogError::all(described.collect()).unwrap_or_else(|| LogError::file(&self.table, "is faulty"));
-        if more > 0 {
-            all = all.note(format!("and at least {more} more faulty rows"));
-        }
-        all
-    }
-}
-
-impl Gap {
-    fn sample(&mut self) -> Sample {
-        self.step += 1;
-        let (time, rate, force) = self.before;
-        let last = self.step == self.steps;
-        let part = if last { 1.0 } else { self.step as f64 / self.steps as f64 };
-        let (dtheta, dvel) =
-            (rate.lerp(&self.rates.0, part) * self.length, force.lerp(&self.rates.1, part) * self.length);
-        if last {
-            return Sample { dtheta, dvel, ..self.after };
-        }
-        let nothing = Vector3::repeat(f64::NAN);
-        Sample {
-            time: time + part * (self.after.time - time),
-            dtheta,
-            dvel,
-            temperature: nothing,
-            gyro_temperature: nothing,
-            dither: nothing,
-            reference: sinscal::Reference::default(),
-        }
-    }
-}
-
-impl Iterator for Samples {
-    type Item = Result<Sample, LogError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            let mut item = self.checked()?;
-            let used = match (&mut item, &mut self.referee) {
-                (Ok(sample), Some(referee)) => referee.refer(sample),
-                _ => true,
-            };
-            if used {
-                return Some(item);
-            }
-        }
-    }
-}
-
-impl Samples {
-    /// The next sample with what the columns say of the reference.
-    fn checked(&mut self) -> Option<Result<Sample, LogError>> {
-        if self.ended {
-            return None;
-        }
-        match self.sample() {
-            Ok(Some(mut sample)) => {
-                if let Err(fault) = self.stillness.push(&sample) {
-                    self.ended = true;
-                    return Some(Err(fault));
-                }
-                let before = self.last.replace(sample.time);
-                if let Some(coarse) = &self.coarse {
-                    let dt = before.map_or(self.interval, |before| sample.time - before);
-                    coarse.compensate(&mut sample, dt);
-                }
-                Some(Ok(sample))
-            }
-            Ok(None) => {
-                self.ended = true;
-                if self.rows == 1 {
-                    let fault =
-                        LogError::file(&self.table, "has a single row: nothing can be estimated from it");
-                    return Some(Err(
-                        fault.help("some minutes are expected, at rest in several positions and turning")
-                    ));
-                }
-                self.stillness.judge().err().map(Err)
-            }
-            Err(fault) => {
-                self.ended = true;
-                Some(Err(self.survey(fault)))
-            }
-        }
-    }
-}
-
 /// An error of the operating system with the file it is about.
 fn unreadable(path: &Path, error: &io::Error) -> LogError {
     LogError::file(path, format!("cannot be read: {error}"))
@@ -596,11 +353,15 @@ fn warnings(description: &Description, has: &dyn Fn(Group) -> bool, path: &Path)
         ));
     }
     if !description.noise_given {
-        warnings.push(noise_warning(&path));
+        let noise = &description.noise;
+        let gyro = noise.angle_random_walk / units::DEG_PER_SQRT_HOUR;
+        let accel = noise.velocity_random_walk / units::MICRO_G;
+        warnings.push(format!(
+            "{path}: {NO_NOISE}, {gyro:.3} deg/sqrt(h) and {accel:.0} ug/sqrt(Hz) are assumed"
+        ));
     }
     warnings
 }
 
-fn noise_warning(description: &std::path::Display<'_>) -> String {
-    format!("{description}: [noise] is not given, 0.001 deg/sqrt(h) and 5 ug/sqrt(Hz) are assumed")
-}
+/// What is said where no noise is stated.
+const NO_NOISE: &str = "[noise] is not given";

@@ -1,6 +1,7 @@
 //! Names as files write them: with a unit in brackets, behind a sign of comment, three of a triad with a common pattern.
 
 use super::columns::Group;
+use super::guess::{Source, Suggestion, Unit};
 use super::written;
 
 /// What a header begins with where it is a comment elsewhere.
@@ -187,7 +188,7 @@ fn pattern<const N: usize>(
 }
 
 /// A map that the names suggest: of triads whose units or names are those of gyros and accelerometers, and a time.
-pub(super) fn suggested(names: &[Name], fits: impl Fn(Group, &str) -> bool) -> Option<String> {
+pub(super) fn suggested(names: &[Name], fits: impl Fn(Group, &str) -> bool) -> Option<Suggestion> {
     let triads: Vec<(String, Option<&str>)> = names
         .iter()
         .filter_map(|name| {
@@ -214,20 +215,20 @@ pub(super) fn suggested(names: &[Name], fits: impl Fn(Group, &str) -> bool) -> O
         &["w", "g", "g_", "w_"],
     )?;
     let accel = of(Group::DVEL, ["acc", "linear_acc", "force", "fib", "fsens"], &["a", "f", "a_", "f_"])?;
-    let unit =
-        |unit: Option<&str>, usual: &str| if unit.is_some() { String::new() } else { format!(":{usual}") };
-    let time = names.iter().find(|name| name.is_time()).map(|name| {
-        let unit = if name.unit.is_some() { "" } else { ":s" };
-        format!(",time={}{unit}", name.plain)
+    let named = |(name, unit): &(String, Option<&str>), usual: &str| Source {
+        name: name.clone(),
+        unit: if unit.is_some() { Unit::Named } else { Unit::Usual(usual.to_owned()) },
+    };
+    let time = names.iter().find(|name| name.is_time()).map(|time| {
+        let fraction = names.iter().find(|name| name.is_fraction() && time.last().starts_with("sec"));
+        match fraction {
+            Some(fraction) => {
+                Source { name: format!("{}+{}", time.plain, fraction.plain), unit: Unit::Named }
+            }
+            None => named(&(time.plain.clone(), time.unit.as_deref()), "s"),
+        }
     });
-    Some(format!(
-        "--map gyro={}{},accel={}{}{}",
-        gyro.0,
-        unit(gyro.1, "rad/s"),
-        accel.0,
-        unit(accel.1, "m/s^2"),
-        time.unwrap_or_default()
-    ))
+    Some(Suggestion { gyro: named(gyro, "rad/s"), accel: named(accel, "m/s^2"), time })
 }
 
 #[cfg(test)]
@@ -312,8 +313,8 @@ mod tests {
             "a_RS_S_z [m s^-2]",
         ]);
         assert_eq!(
-            suggested(&euroc, fits).as_deref(),
-            Some("--map gyro=w_RS_S,accel=a_RS_S,time=timestamp [ns]")
+            suggested(&euroc, fits).map(|map| map.argument()).as_deref(),
+            Some("--map 'gyro=w_RS_S,accel=a_RS_S,time=timestamp [ns]'")
         );
         let px4 = names(&[
             "timestamp",
@@ -325,9 +326,9 @@ mod tests {
             "accelerometer_m_s2[2]",
         ]);
         assert_eq!(
-            suggested(&px4, fits).as_deref(),
+            suggested(&px4, fits).map(|map| map.argument()).as_deref(),
             Some("--map gyro=gyro_rad:rad/s,accel=accelerometer_m_s2:m/s^2,time=timestamp:s")
         );
-        assert_eq!(suggested(&names(&["a", "b"]), fits), None);
+        assert!(suggested(&names(&["a", "b"]), fits).is_none());
     }
 }

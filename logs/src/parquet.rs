@@ -5,12 +5,13 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use parquet::basic::{Compression, ConvertedType, LogicalType, Repetition, Type as Physical};
+use parquet::column::page::PageReader;
 use parquet::column::reader::ColumnReaderImpl;
 use parquet::data_type::{DataType, DoubleType, FloatType, Int32Type, Int64Type};
 use parquet::errors;
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
-use parquet::schema::types::Type;
+use parquet::schema::types::{ColumnDescPtr, Type};
 
 use super::columns::{Batch, Group, Source};
 use super::fault::LogError;
@@ -110,12 +111,7 @@ impl ParquetSource {
         for column in &self.columns {
             let descriptor = group.metadata().schema_descr().column(column.leaf);
             let pages = group.get_column_page_reader(column.leaf).map_err(|error| error.to_string())?;
-            self.open.push(match column.kind {
-                Number::F64 => Numbers::F64(ColumnReaderImpl::new(descriptor, pages)),
-                Number::F32 => Numbers::F32(ColumnReaderImpl::new(descriptor, pages)),
-                Number::I32(f64_of) => Numbers::I32(ColumnReaderImpl::new(descriptor, pages), f64_of),
-                Number::I64(f64_of) => Numbers::I64(ColumnReaderImpl::new(descriptor, pages), f64_of),
-            });
+            self.open.push(Numbers::new(column.kind, descriptor, pages));
         }
         Ok(())
     }
@@ -229,7 +225,7 @@ fn damaged(path: &Path, problem: &str) -> LogError {
 
 /// How a column holds numbers; what integers mean depends on their sign.
 #[derive(Clone, Copy)]
-enum Number {
+pub(super) enum Number {
     F64,
     F32,
     I32(fn(i32) -> f64),
@@ -237,7 +233,7 @@ enum Number {
 }
 
 /// How a column holds numbers, or what it holds instead.
-fn number(field: &Type) -> Result<Number, &'static str> {
+pub(super) fn number(field: &Type) -> Result<Number, &'static str> {
     let info = field.get_basic_info();
     // the root of a column has no repetition only where a file is damaged
     if !field.is_primitive() || !info.has_repetition() || info.repetition() == Repetition::REPEATED {
@@ -279,7 +275,7 @@ fn number(field: &Type) -> Result<Number, &'static str> {
 }
 
 /// A column of a row group on its way into memory.
-enum Numbers {
+pub(super) enum Numbers {
     F64(ColumnReaderImpl<DoubleType>),
     F32(ColumnReaderImpl<FloatType>),
     I32(ColumnReaderImpl<Int32Type>, fn(i32) -> f64),
@@ -287,8 +283,17 @@ enum Numbers {
 }
 
 impl Numbers {
+    pub(super) fn new(kind: Number, column: ColumnDescPtr, pages: Box<dyn PageReader>) -> Self {
+        match kind {
+            Number::F64 => Self::F64(ColumnReaderImpl::new(column, pages)),
+            Number::F32 => Self::F32(ColumnReaderImpl::new(column, pages)),
+            Number::I32(f64_of) => Self::I32(ColumnReaderImpl::new(column, pages), f64_of),
+            Number::I64(f64_of) => Self::I64(ColumnReaderImpl::new(column, pages), f64_of),
+        }
+    }
+
     /// Appends the next `rows` cells less `origin`, empty ones as NaN; `levels` is room to work in.
-    fn read(
+    pub(super) fn read(
         &mut self,
         rows: usize,
         origin: i64,

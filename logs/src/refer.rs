@@ -3,14 +3,16 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use sinscal::{Missed, Reference, Sample, earth};
+use sinscal::{Missed, Reference, ReferenceSigma, Sample, UnknownPulses, earth};
 
 use super::columns::Group;
 use super::description::ReferenceKind;
 use super::fault::LogError;
+use super::grade::Grade;
+use super::look::{Channels, Contradiction, contradictions};
 use super::rests::{Rest, RestFinder, Rests};
 use super::units::{DEG_PER_SQRT_HOUR, DEGREE, MICRO_G};
-use super::{Log, MEASURED_RATE, noise_warning};
+use super::{Log, MEASURED_RATE, NO_NOISE};
 
 const DEG_PER_HOUR: f64 = DEGREE / 3600.0;
 
@@ -30,20 +32,11 @@ const WANDER: f64 = 20.0 * DEG_PER_HOUR;
 const LEAST_WANDER: f64 = 2.0 * DEG_PER_HOUR;
 /// Fewer rests than this show no scatter.
 const FEWEST: usize = 4;
-/// Random walks to begin with until the rests show them: those of the MEMS class.
-const NOISE: [f64; 2] = [0.3 * DEG_PER_SQRT_HOUR, 150.0 * MICRO_G];
+/// Rests that scatter by so many times the stated noise deserve a word, and by so many a refusal.
+const NOISIER: f64 = 10.0;
+const ABSURD: f64 = 100.0;
 /// The least that are taken for a noise, rad/sqrt(s) and m/s/sqrt(s).
 const LEAST_NOISE: [f64; 2] = [1e-4 * DEG_PER_SQRT_HOUR, 0.1 * MICRO_G];
-/// Prior standard deviations of the MEMS class, SI, and as people write them.
-const PRIORS: [(&str, f64, &str); 6] = [
-    ("gyro-bias", 2.0 * DEGREE, "2 deg/s"),
-    ("gyro-scale", 0.03, "3 %"),
-    ("gyro-misalignment", 2.0 * DEGREE, "2 deg"),
-    ("accel-bias", 60e3 * MICRO_G, "60 mg"),
-    ("accel-scale", 0.03, "3 %"),
-    ("accel-misalignment", 2.0 * DEGREE, "2 deg"),
-];
-
 /// What takes the place of the columns, or joins them.
 #[derive(Clone, Debug)]
 pub(super) enum Instead {
@@ -135,6 +128,8 @@ struct Columns {
     /// Readings, and rows without one.
     readings: u64,
     empty: u64,
+    /// What is odd about gyros and accelerometers.
+    warnings: Vec<String>,
 }
 
 impl Log {
@@ -155,7 +150,7 @@ impl Log {
                 .into_iter()
                 .any(is_read);
         self.assumed.clear();
-        match (self.description.reference_kind, self.no_columns) {
+        let decided = match (self.description.reference_kind, self.no_columns) {
             (Some(ReferenceKind::Readings), true) => Err(self.no_readings("reference.kind is `readings`")),
             (Some(ReferenceKind::FixedPoint), false) => {
                 self.instead = Some(Instead::FixedPoint);
@@ -166,7 +161,16 @@ impl Log {
             (None, true) if carried => self.rest(false),
             (None, false) if carried && velocity_alone => self.rest(true),
             _ => Ok(()),
+        };
+        if let Some(Instead::FixedPoint) = &self.instead {
+            let ReferenceSigma { velocity, position, .. } = self.description.reference;
+            self.assumed.push(format!(
+                "the unit only turns in place: its velocity is zero within {velocity} m/s and its position that of the site within \
+                 {position} m, all the time"
+            ));
         }
+        self.tell_priors();
+        decided
     }
 
     fn no_readings(&self, why: &str) -> LogError {
@@ -206,6 +210,7 @@ impl Log {
                         ref_vel_*; or [reference] kind = \"fixed-point\"";
             return Err(LogError::file(self.table(), problem).help(help));
         }
+        self.contradicted(&found, held.warnings)?;
         let free = self.description.initial.is_none();
         let rests: Vec<Rest> = found.rests.iter().map(|rest| self.within(rest)).collect();
         let spread = self.rate_spread(&found.rests);
@@ -218,8 +223,7 @@ impl Log {
         self.tell_rests(&rests, spread, free);
         if let Some(noise) = found.noise.filter(|_| !columns && !self.description.noise_given) {
             let [gyro, accel] = [0, 1].map(|of| (noise[of].norm_squared() / 3.0).sqrt().max(LEAST_NOISE[of]));
-            let path = self.description_path();
-            self.warnings.retain(|warning| *warning != noise_warning(&path.display()));
+            self.warnings.retain(|warning| !warning.contains(NO_NOISE));
             self.description.noise.angle_random_walk = gyro;
             self.description.noise.velocity_random_walk = accel;
             self.assumed.push(format!(
@@ -233,29 +237,31 @@ impl Log {
         Ok(())
     }
 
-    /// What is not said of a hand-carried unit is that of the MEMS class.
+    /// What is not said of a hand-carried unit is that of its class, or of the MEMS class.
     fn presume(&mut self) {
         let description = &mut self.description;
-        if !description.noise_given {
-            [description.noise.angle_random_walk, description.noise.velocity_random_walk] = NOISE;
-        }
-        if description.is_navigation_grade() {
-            return;
-        }
-        let mut filled = Vec::new();
-        for (name, sigma, text) in PRIORS {
-            if self.presumed.contains(&name) {
-                filled.push(format!("{name} {text}"));
-            } else if !description.priors.iter().any(|(given, _)| *given == name) {
-                description.priors.push((name, sigma));
-                self.presumed.push(name);
-                filled.push(format!("{name} {text}"));
+        if description.grade.is_none() {
+            if !description.noise_given {
+                description.noise = Grade::Mems.noise();
             }
+            if description.is_navigation_grade() {
+                return;
+            }
+            description.presume(Grade::Mems);
         }
+    }
+
+    /// Says which priors are those of the class.
+    fn tell_priors(&mut self) {
+        let grade = self.description.grade.unwrap_or(Grade::Mems);
+        let presumed = &self.description.presumed;
+        let of_grade = grade.priors().iter().filter(|(name, ..)| presumed.contains(name));
+        let filled: Vec<String> = of_grade.map(|(name, _, text)| format!("{name} {text}")).collect();
         if !filled.is_empty() {
+            let filled = filled.join(", ");
             self.assumed.push(format!(
-                "priors that are not given are those of the MEMS class: {}",
-                filled.join(", ")
+                "priors that are not given are those of the class `{}`: {filled}",
+                grade.name()
             ));
         }
     }
@@ -263,6 +269,7 @@ impl Log {
     fn find_rests(&self) -> Result<(Rests, Columns), LogError> {
         let mut samples = self.samples()?;
         let mut finder = RestFinder::new(1.0 / self.description.rate);
+        let mut channels = Channels::new(1.0 / self.description.rate);
         let mut columns = Columns::default();
         let mut last: Option<f64> = None;
         while let Some(sample) = samples.next() {
@@ -271,11 +278,66 @@ impl Log {
                 last.replace(sample.time).map_or(1.0 / self.description.rate, |last| sample.time - last);
             let (_, rate, force) = samples.as_rates(&sample, step);
             finder.push(sample.time, &rate, &force);
+            channels.push(&rate, &force);
             columns.readings += u64::from(sample.reference.velocity.is_some());
             columns.empty += u64::from(sample.reference.velocity.is_none());
             columns.moves |= sample.reference.velocity.is_some_and(|velocity| velocity.amax() > 0.0);
         }
-        Ok((finder.finish(), columns))
+        let rests = finder.finish();
+        columns.warnings = channels.warnings(&rests);
+        Ok((rests, columns))
+    }
+
+    /// What the rests and the turns between them contradict: axes that are others are refused, all else is a warning.
+    fn contradicted(&mut self, rests: &Rests, warnings: Vec<String>) -> Result<(), LogError> {
+        if self.unknown != UnknownPulses::default() {
+            return Ok(());
+        }
+        let path = self.table().to_owned();
+        let other = match contradictions(rests) {
+            Some(Contradiction::Axes(told)) => return Err(LogError::file(&path, told)),
+            other => other.map(Contradiction::told),
+        };
+        let noise = self.noise_contradicted(rests)?;
+        let odd = other.into_iter().chain(warnings).map(|warning| format!("{}: {warning}", path.display()));
+        for warning in odd.chain(noise) {
+            if !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
+        Ok(())
+    }
+
+    /// What the scatter in the rests makes of the noise that is stated: refused where that is far off.
+    fn noise_contradicted(&self, rests: &Rests) -> Result<Vec<String>, LogError> {
+        let Some([gyro, accel]) = rests.noise.filter(|_| self.description.noise_given) else {
+            return Ok(Vec::new());
+        };
+        let stated = &self.description.noise;
+        let path = self.noise_file.clone().unwrap_or_else(|| self.description_path());
+        let mut warnings = Vec::new();
+        for (seen, stated, field, unit, si) in [
+            (gyro, stated.angle_random_walk, "gyro_arw_deg_sqrt_h", DEG_PER_SQRT_HOUR, "rad/s/sqrt(Hz)"),
+            (accel, stated.velocity_random_walk, "accel_vrw_ug_sqrt_hz", MICRO_G, "m/s^2/sqrt(Hz)"),
+        ] {
+            let seen = (seen.norm_squared() / 3.0).sqrt();
+            if !(seen > NOISIER * stated) {
+                continue;
+            }
+            let (figure, wanted) = (stated / unit, figures(seen / unit));
+            let is_si = (figure / seen).ln().abs() < NOISIER.ln();
+            let looks = if is_si { format!(": this looks like {si}") } else { String::new() };
+            let problem = format!(
+                "noise.{field} is {figure:.3e}, and the rests scatter by {wanted}, {:.0} times as much{looks}",
+                seen / stated
+            );
+            if seen > ABSURD * stated {
+                let help = format!("write {field} = {wanted}, or leave [noise] out: then the rests show it");
+                return Err(LogError::file(&path, problem).help(help));
+            }
+            warnings.push(format!("{}: {problem}", path.display()));
+        }
+        Ok(warnings)
     }
 
     /// A rest without its ends, where it is long enough to have some.
@@ -329,6 +391,11 @@ impl Log {
             ));
         }
     }
+}
+
+/// A measured figure with three digits.
+fn figures(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
 }
 
 #[cfg(test)]

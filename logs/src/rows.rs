@@ -6,8 +6,9 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use sinscal::{Reference, Sample};
 
 use super::columns::{Batch, Group, NAMES, NEEDED};
-use super::description::{Description, TEMPERATURES, UNIT_TOLERANCE};
+use super::description::{Description, TEMPERATURES};
 use super::fault::LogError;
+use super::sections::UNIT_TOLERANCE;
 use super::stamps::Plan;
 use super::still::{STANDARD_GRAVITY, force_unit};
 

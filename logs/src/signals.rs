@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use nalgebra::Vector3;
+use sinscal::{Reference, Sample};
 
 use super::columns::{Batch, Group};
 use super::description::Description;
@@ -40,8 +41,19 @@ impl Opened {
         };
         let apart = description.as_ref().is_some_and(|description| description.reference_file.is_some());
         let part = if apart { Part::Unit } else { Part::Whole };
-        let table = Table::open(&path, kind, &reading, part, known)?;
-        Ok(Self { table, reading, description })
+        let mut table = Table::open(&path, kind, &reading, part, known.clone());
+        let mut reading = reading;
+        if let Some(map) = table.as_ref().err().and_then(LogError::suggestion).cloned() {
+            reading.map = map.map();
+            table = Table::open(&path, kind, &reading, part, known);
+            if let Ok(table) = &mut table {
+                table.notes.push(format!(
+                    "no map was given: names and numbers suggest {}; check the units, those of the gyros above all",
+                    map.argument()
+                ));
+            }
+        }
+        Ok(Self { table: table?, reading, description })
     }
 }
 
@@ -62,6 +74,19 @@ pub(super) struct Row {
 impl Row {
     pub(super) fn is_sound(&self) -> bool {
         self.rate.iter().chain(&self.force).all(|value| value.is_finite())
+    }
+
+    /// As a sample that lasts its step.
+    pub(super) fn sample(&self) -> Sample {
+        Sample {
+            time: self.time,
+            dtheta: self.rate * self.step,
+            dvel: self.force * self.step,
+            temperature: self.temperature,
+            gyro_temperature: self.gyro_temperature,
+            dither: Vector3::repeat(f64::NAN),
+            reference: Reference::default(),
+        }
     }
 }
 

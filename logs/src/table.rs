@@ -67,9 +67,42 @@ enum Contents {
     Memory(Arc<Memory>),
 }
 
+/// How a table is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Format {
+    Text,
+    Parquet,
+    Arrays,
+}
+
 impl Table {
-    /// Finds the columns of a file and what its first rows show.
+    /// Finds the columns of a file and what its first rows show. The fault of a file of which nothing is known carries the map that
+    /// names and numbers suggest.
     pub(super) fn open(
+        path: &Path,
+        kind: Kind,
+        reading: &Reading,
+        part: Part,
+        known: Known,
+    ) -> Result<Self, LogError> {
+        Self::open_as(path, kind, reading, part, known.clone()).map_err(|fault| match fault.suggestion() {
+            Some(map) => {
+                let map = map.by_numbers(path, kind, reading, known);
+                fault.suggest(map)
+            }
+            None => fault,
+        })
+    }
+
+    /// The numbers of the first rows as they stand in the file.
+    pub(super) fn first_rows(&self) -> Result<Batch, LogError> {
+        let mut batch = Batch::new();
+        self.source()?.read(&mut batch)?;
+        Ok(batch)
+    }
+
+    /// The same for a file whose columns must be known.
+    pub(super) fn open_as(
         path: &Path,
         kind: Kind,
         reading: &Reading,
@@ -129,6 +162,24 @@ impl Table {
     /// Whether the gyros, and the accelerometers, are given as rates: then increments last as long as their step.
     pub(super) fn rates(&self) -> [bool; 2] {
         [Group::DTHETA, Group::DVEL].map(|group| self.layout.unit(group.first).per_interval)
+    }
+
+    pub(super) fn format(&self) -> Format {
+        match self.holds {
+            Contents::Csv => Format::Text,
+            Contents::Parquet => Format::Parquet,
+            Contents::Memory(_) => Format::Arrays,
+        }
+    }
+
+    /// Which way the axes of the file point.
+    pub(super) fn axes(&self) -> &Axes {
+        &self.reading.axes
+    }
+
+    /// In which column of the file a slot stands, and its unit.
+    pub(super) fn place(&self, slot: usize) -> Option<(usize, super::map::Unit)> {
+        self.layout.columns().find(|(of, _)| *of == slot).map(|(_, place)| (place.variable, place.unit))
     }
 
     /// What is in the file and not read.

@@ -192,6 +192,62 @@ fn figures_are_converted_and_defaults_are_announced() -> Done {
     assert!(log.description().initial.is_none());
     assert_eq!(log.description().reference_temperature, 25.0);
     assert_eq!(log.warnings().len(), 4, "{:?}", log.warnings());
+
+    let graded = least.replace("rate_hz = 50", "rate_hz = 50\ngrade = \"tactical\"")
+        + "[prior]\n\"gyro-bias\" = { sigma = 7.0, unit = \"deg/h\" }\n";
+    write(folder.path(), &table, &graded)?;
+    let mut log = Log::open(&folder.path().join("c"))?;
+    let description = log.description();
+    // what is stated goes before the class; what is not is the class's
+    assert!((description.prior("gyro-bias") - 7.0 * 4.848_136_81e-6).abs() < 1e-12);
+    assert!((description.prior("accel-scale") - 0.01).abs() < 1e-12);
+    // 0.1 deg/sqrt(h)
+    assert!((description.noise.angle_random_walk - 2.908_882_087e-5).abs() < 1e-13);
+    let said = |text: &str, all: &[String]| all.iter().any(|line| line.contains(text));
+    assert!(
+        said("0.100 deg/sqrt(h) and 100 ug/sqrt(Hz) are assumed", log.warnings()),
+        "{:?}",
+        log.warnings()
+    );
+    log.refer(&["velocity", "position"])?;
+    assert!(said("of the class `tactical`: gyro-scale 5000 ppm", log.assumed()), "{:?}", log.assumed());
+    assert!(!said("gyro-bias", log.assumed()));
+
+    write(folder.path(), &table, &graded.replace("tactical", "consumer"))?;
+    let fault = Log::open(&folder.path().join("c")).err().ok_or("a class that is none")?;
+    assert!(format!("{fault:?}").contains("none of ring-laser, fibre-optic, tactical, mems"), "{fault:?}");
+    Ok(())
+}
+
+/// In every form that is read they give the samples that plain seconds give.
+#[test]
+fn dates_and_times_of_a_day_are_times() -> Done {
+    let folder = tempfile::tempdir()?;
+    let at = folder.path().join("c.csv");
+    Table::at_rest(300).write_csv(&at)?;
+    fs::write(folder.path().join("c.toml"), DESCRIPTION)?;
+    let text = fs::read_to_string(&at)?;
+    let plain = read(&Log::open(&at)?)?.0;
+    let dated = |date: &str, zone: &str| -> String {
+        let mut lines = text.lines();
+        let header = lines.next().unwrap_or_default().to_owned() + "\n";
+        lines.fold(header, |all, line| {
+            let (time, rest) = line.split_once(',').expect("a time");
+            let time: f64 = time.parse().expect("a number");
+            all + &format!("{date}10:59:{:09.6}{zone},{rest}\n", 30.0 + time)
+        })
+    };
+    for (date, zone) in [("2023-05-01T", "Z"), ("2023-05-01 ", ""), ("2023/05/01 ", ""), ("", "")] {
+        fs::write(&at, dated(date, zone))?;
+        let samples = read(&Log::open(&at)?)?.0;
+        assert_eq!(samples.len(), plain.len(), "{date}");
+        for (sample, plain) in samples.iter().zip(&plain) {
+            assert_eq!(sample.dtheta, plain.dtheta, "{date}");
+        }
+        let (first, last) = (samples[0].time, samples[samples.len() - 1].time);
+        let span = plain[plain.len() - 1].time - plain[0].time;
+        assert!((last - first - span).abs() < 2e-6, "{date}: {first} to {last}");
+    }
     Ok(())
 }
 

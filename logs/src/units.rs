@@ -49,7 +49,7 @@ pub const ANGULAR_RATE: Units = &[("rad/s", 1.0), ("mrad/s", 1e-3), ("deg/s", DE
 /// Units of angular acceleration.
 pub const ANGULAR_ACCELERATION: Units = &[("rad/s^2", 1.0), ("deg/s^2", DEG)];
 /// Units of specific force.
-pub const FORCE: Units = &[("m/s^2", 1.0), ("g", G), ("mg", G * 1e-3), ("ug", G * 1e-6)];
+pub const FORCE: Units = &[("m/s^2", 1.0), ("g", G), ("mg", G * 1e-3), ("ug", G * 1e-6), ("mGal", 1e-5)];
 /// Units of temperature.
 pub const TEMPERATURE: Units = &[("degC", 1.0)];
 /// Units of a temperature difference.
@@ -88,6 +88,7 @@ const PARAMETERS: &[Units] = &[
     TIME,
     ANGULAR_RATE,
     FORCE,
+    DIFFERENCE,
     &[("s^2/m", 1.0), ("mg/g^2", 1e-3 / G), ("ug/g^2", 1e-6 / G)],
     &[("s^4/m^2", 1.0), ("mg/g^3", 1e-3 / (G * G)), ("ug/g^3", 1e-6 / (G * G))],
     &[("1/K", 1.0), ("ppm/K", 1e-6)],

@@ -48,7 +48,23 @@ impl Process {
     }
 }
 
+/// A process that forgets within this time, s, is a filter in the unit, not a wander of its bias: over a second and more it is white.
+const FAST: f64 = 1.0;
+
+impl Process {
+    /// The white noise that a Gauss-Markov process is for times far above its correlation time, where that is short.
+    pub(crate) fn as_white(&self) -> Option<Self> {
+        let time = self.kind.time().filter(|_| self.kind.is_fast())?;
+        Some(Self { kind: Kind::White, size: self.size * (2.0 * time).sqrt() })
+    }
+}
+
 impl Kind {
+    /// Whether it is correlated, but forgets within a second: what an anti-aliasing filter makes of white noise.
+    pub fn is_fast(self) -> bool {
+        self.time().is_some_and(|time| time < FAST)
+    }
+
     /// Correlation time, s, where there is one.
     pub fn time(self) -> Option<f64> {
         match self {

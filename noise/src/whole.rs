@@ -70,18 +70,23 @@ impl Identified {
 }
 
 /// One noise for several channels: of each kind the root of the mean square of the sizes, a channel without it counting as zero. Of
-/// Gauss-Markov processes the largest of each channel, at the geometric mean of their times.
+/// Gauss-Markov processes the largest of each channel, at the geometric mean of their times; those that forget within a second are white.
 pub fn typical(channels: &[Vec<Process>]) -> Vec<Process> {
     let mut kinds: Vec<Vec<Process>> = Vec::new();
     for channel in channels {
         let mut markov: Option<Process> = None;
-        for process in channel {
+        let fast: f64 = channel.iter().filter_map(Process::as_white).map(|white| white.size.powi(2)).sum();
+        let slow = || channel.iter().filter(|process| !process.kind.is_fast());
+        for process in slow() {
             if process.kind.time().is_some() {
                 markov = markov.filter(|largest| largest.size > process.size).or(Some(*process));
             }
         }
-        let plain = channel.iter().filter(|process| process.kind.time().is_none());
-        for process in plain.copied().chain(markov) {
+        let white = slow().filter(|process| process.kind == Kind::White).map(|white| white.size.powi(2));
+        let white = white.sum::<f64>() + fast;
+        let white = (white > 0.0).then(|| Process { kind: Kind::White, size: white.sqrt() });
+        let plain = slow().filter(|process| process.kind.time().is_none() && process.kind != Kind::White);
+        for process in white.into_iter().chain(plain.copied()).chain(markov) {
             let same = |other: &&mut Vec<Process>| {
                 std::mem::discriminant(&other[0].kind) == std::mem::discriminant(&process.kind)
             };
@@ -129,6 +134,10 @@ mod tests {
         assert_eq!(found[0], white(12.5_f64.sqrt()));
         let Kind::GaussMarkov { time } = found[1].kind else { panic!("{found:?}") };
         assert!((time - 20.0).abs() < 1e-12 && (found[1].size - 2.5_f64.sqrt()).abs() < 1e-15);
+        // filtered within a fiftieth of a second: 2 sigma^2 tau more of white noise
+        let filtered = typical(&[vec![white(3.0), markov(20.0, 0.02)]]);
+        assert_eq!(filtered.len(), 1);
+        assert!(filtered[0].kind == Kind::White && (filtered[0].size - 5.0).abs() < 1e-12, "{filtered:?}");
         let walk = markov(2.0, 8.0).as_walk().expect("a walk");
         assert_eq!(walk, Process { kind: Kind::RandomWalk, size: 1.0 });
     }

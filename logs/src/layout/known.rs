@@ -8,6 +8,39 @@ use crate::written;
 
 use super::{Holds, PSINS, Part, Search, short};
 
+/// How the arrays of an inertial unit are called: rad/s, m/s^2, and times with the size of their unit, the part of a second last.
+pub(super) struct NamedLayout {
+    of: &'static str,
+    pub(super) gyro: &'static str,
+    pub(super) accel: &'static str,
+    times: &'static [(&'static str, f64)],
+    axes: &'static str,
+}
+
+const LAYOUTS: [NamedLayout; 3] = [
+    NamedLayout {
+        of: "NaveGo",
+        gyro: "wb",
+        accel: "fb",
+        times: &[("t", 1.0)],
+        axes: "forward, right, down (`--axes imu=frd`)",
+    },
+    NamedLayout {
+        of: "ROS",
+        gyro: ".angular_velocity",
+        accel: ".linear_acceleration",
+        times: &[(".stamp.secs", 1.0), (".stamp.nsecs", 1e-9)],
+        axes: "forward, left, up (`--axes imu=flu`)",
+    },
+    NamedLayout {
+        of: "PX4",
+        gyro: ".gyro_rad",
+        accel: ".accelerometer_m_s2",
+        times: &[(".timestamp", 1e-6)],
+        axes: "forward, right, down (`--axes imu=frd`)",
+    },
+];
+
 impl Search<'_> {
     /// The array that is laid out as PSINS does: the one called so, or the only one.
     pub(super) fn psins_variable(&self) -> Option<usize> {
@@ -17,43 +50,30 @@ impl Search<'_> {
         named.or(only).filter(seven).filter(|_| self.holds == Holds::Arrays)
     }
 
-    /// The beginning of the names of NaveGo's struct of an inertial unit: `imu.t`, `imu.wb` in rad/s, `imu.fb` in m/s^2.
-    pub(super) fn navego_variable(&self) -> Option<String> {
-        let beginning = |name: &Name| name.stem().strip_suffix("wb").map(str::to_owned);
-        let all = |beginning: &String| {
-            let there = |end: &str| self.find(&format!("{beginning}{end}")).is_some();
-            there("fb") && there("t")
+    /// The layouts of inertial units that are there, each with the beginning of its names.
+    pub(super) fn named_layouts(&self) -> Vec<(String, &'static NamedLayout)> {
+        if self.holds != Holds::Arrays {
+            return Vec::new();
+        }
+        let beginnings = |layout: &'static NamedLayout| {
+            let beginning = |name: &Name| name.stem().strip_suffix(layout.gyro).map(str::to_owned);
+            let all = |beginning: &String| {
+                let there = |end: &str| self.find(&format!("{beginning}{end}")).is_some();
+                there(layout.accel) && layout.times.iter().all(|(end, _)| there(end))
+            };
+            let found = self.names.iter().filter_map(beginning).filter(all);
+            found.map(|beginning| (beginning, layout)).collect::<Vec<_>>()
         };
-        self.names.iter().filter_map(beginning).find(all).filter(|_| self.holds == Holds::Arrays)
+        LAYOUTS.iter().flat_map(beginnings).collect()
     }
 
-    /// Fills what is missing from the layouts of PSINS and NaveGo.
+    /// Fills what is missing from layouts that go by their names, and from that of PSINS.
     pub(super) fn layouts(&mut self) {
         if self.asked.part == Part::Reference {
             return;
         }
-        if let Some(beginning) = self.navego_variable() {
-            let rate = Unit { per_interval: true, ..Unit::SAME };
-            let mut read = false;
-            for (end, group, unit) in
-                [("wb", Group::DTHETA, rate), ("fb", Group::DVEL, rate), ("t", Group::TIME, Unit::SAME)]
-            {
-                let name = format!("{beginning}{end}");
-                let Some(index) = self.find(&name).filter(|_| !self.any(group)) else { continue };
-                if self.variables[index].width == Ok(group.len) {
-                    for (column, slot) in group.slots().enumerate() {
-                        self.place(slot, index, column, unit, Some(format!("{name}[{column}]")));
-                    }
-                    read = true;
-                }
-            }
-            if read {
-                let note = format!(
-                    "`{beginning}wb`, `{beginning}fb` and `{beginning}t` are read as NaveGo has them, in rad/s, m/s^2 and s; its axes are \
-                     forward, right, down (`--axes imu=frd`) unless they were turned"
-                );
-                self.notes.push(note);
-            }
+        if let [(beginning, layout)] = &self.named_layouts()[..] {
+            self.named_layout(beginning, layout);
         }
         let Some(variable) = self.psins_variable() else { return };
         for (first, group, instead) in [
@@ -68,6 +88,40 @@ impl Search<'_> {
                 let text = format!("{}[{column}]", self.variables[variable].name);
                 self.place(slot, variable, column, Unit::SAME, Some(text));
             }
+        }
+    }
+
+    fn named_layout(&mut self, beginning: &str, layout: &NamedLayout) {
+        let rate = Unit { per_interval: true, ..Unit::SAME };
+        let times = Group::TIME.slots().chain(Group::TIME_NANOS.slots()).zip(layout.times);
+        let times = times.map(|(first, (end, scale))| {
+            (*end, Group { first, len: 1 }, Unit { scale: *scale, ..Unit::SAME })
+        });
+        let any = [Group::DTHETA, Group::DVEL, Group::TIME].map(|group| self.any(group));
+        let mut read = Vec::new();
+        let parts = [(layout.gyro, Group::DTHETA, rate), (layout.accel, Group::DVEL, rate)];
+        for (end, group, unit) in parts.into_iter().chain(times) {
+            let taken = match group {
+                Group::DTHETA => any[0],
+                Group::DVEL => any[1],
+                _ => any[2],
+            };
+            let name = format!("{beginning}{end}");
+            let Some(index) = self.find(&name).filter(|_| !taken) else { continue };
+            if self.variables[index].width == Ok(group.len) {
+                for (column, slot) in group.slots().enumerate() {
+                    self.place(slot, index, column, unit, Some(format!("{name}[{column}]")));
+                }
+                read.push(format!("`{name}`"));
+            }
+        }
+        if !read.is_empty() {
+            self.notes.push(format!(
+                "{} are read as {} has them, in SI; its axes are {} unless they were turned",
+                read.join(", "),
+                layout.of,
+                layout.axes
+            ));
         }
     }
 

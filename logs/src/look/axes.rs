@@ -72,43 +72,59 @@ fn left(moves: &[Move], axes: &Pointing) -> f64 {
 }
 
 /// What the turns between rests contradict.
-pub(super) fn warnings(rests: &Rests) -> Vec<String> {
+#[derive(Debug)]
+pub(crate) enum Contradiction {
+    /// The gyros' axes are others, and there is a way to say so.
+    Axes(String),
+    /// Something else.
+    Other(String),
+}
+
+impl Contradiction {
+    pub(crate) fn told(self) -> String {
+        match self {
+            Self::Axes(told) | Self::Other(told) => told,
+        }
+    }
+}
+
+/// What the turns between rests contradict, if anything.
+pub(crate) fn contradictions(rests: &Rests) -> Option<Contradiction> {
     let moves = moves(rests);
     if moves.len() < ENOUGH {
-        return Vec::new();
+        return None;
     }
     let rows = format!("rows {} to {}", moves[0].rows.0, moves[moves.len() - 1].rows.1);
     let felt: f64 = moves.iter().map(|of| of.before.angle(&of.after)).sum();
     let seen: f64 = moves.iter().map(|of| of.turns[0].angle()).sum();
     if seen < SEEN * felt {
-        return vec![format!(
+        return Some(Contradiction::Other(format!(
             "{rows}: gravity turns by {:.0} deg in all from rest to rest, and the gyros see {:.0} deg of it: the turns were cut out, or \
              the gyros do not work; a calibration of gyros needs the log as it was recorded, turns too",
             felt / DEGREE,
             seen / DEGREE
-        )];
+        )));
     }
     let mut all: Vec<(f64, Pointing)> = Pointing::all().map(|axes| (left(&moves, &axes), axes)).collect();
     let ours = all[0].0;
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let [(best, axes), (second, _), ..] = all[..] else { return Vec::new() };
+    let [(best, axes), (second, _), ..] = all[..] else { return None };
     if ours > FITS && best < FITS && best * CLEARER < second && best * CLEARER < ours {
         let name = if axes.is_right_handed() { axes.body_name() } else { axes.signed_name() };
-        return vec![format!(
+        return Some(Contradiction::Axes(format!(
             "{rows}: the gyros' axes are not those of the accelerometers: from rest to rest {:.1} deg of gravity are left; with \
              --axes gyro={name} it is {:.1} deg",
             ours / DEGREE,
             best / DEGREE
-        )];
+        )));
     }
-    if ours > FITS {
-        return vec![format!(
+    (ours > FITS).then(|| {
+        Contradiction::Other(format!(
             "{rows}: from rest to rest {:.1} deg of gravity are left after the turns that the gyros saw: a unit of the gyros that is \
              wrong by some factor, turns beyond their range, or time that is wrong",
             ours / DEGREE
-        )];
-    }
-    Vec::new()
+        ))
+    })
 }
 
 /// What the rests say about which way the axes of the file point.

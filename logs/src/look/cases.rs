@@ -30,8 +30,8 @@ fn looked(
         std::fs::write(copy.with_extension("toml"), description)?;
     }
     let map = if map.is_empty() { Default::default() } else { map.parse()? };
-    let look =
-        look(&copy, &Reading { map, ..Reading::default() }).map_err(|fault| fault.messages().join("\n"))?;
+    let look = look(&copy, &Reading { map, ..Reading::default() }, &mut |_| {})
+        .map_err(|fault| fault.messages().join("\n"))?;
     println!("{name}\n{look}");
     Ok(Some(look))
 }
@@ -112,6 +112,52 @@ fn a_range_that_was_exceeded_and_an_axis_with_the_other_sign() -> Done {
         assert!(told.contains(part), "{name}: {told}");
         assert_eq!(part.is_empty(), look.warnings.is_empty(), "{name}: {told}");
         assert!(look.rests.len() > 5, "{name}: {:?}", look.rests);
+    }
+    Ok(())
+}
+
+/// Nobody says which columns are which: names and numbers do.
+#[test]
+fn a_log_without_any_description_is_read_by_names_and_numbers() -> Done {
+    let text = |names: &str, time: fn(usize) -> String, scales: [f64; 2]| {
+        let rows = (0..400).map(|row| {
+            let noise = |of: usize| ((row * row * (of + 5)) as f64 * 0.37).sin();
+            let rate = [0.003, -0.002, 0.005].map(|mean| (mean + 1e-3 * noise(1)) * scales[0]);
+            let force = [0.1, -0.2, 9.79].map(|mean| (mean + 0.02 * noise(2)) * scales[1]);
+            let numbers = rate.iter().chain(&force).map(f64::to_string).collect::<Vec<_>>();
+            format!("{},{}\n", time(row), numbers.join(","))
+        });
+        format!("{names}\n{}", rows.collect::<String>())
+    };
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("log.csv");
+    let degree = crate::units::DEGREE;
+    let px4 = "timestamp,gyro_rad[0],gyro_rad[1],gyro_rad[2],acc[0],acc[1],acc[2]";
+    for (names, time, scales, map) in [
+        (
+            px4,
+            (|row| (112_614_307 + 5000 * row).to_string()) as fn(usize) -> String,
+            [1.0, 1.0],
+            "gyro=gyro_rad:rad/s,accel=acc:m/s^2,time=timestamp:us",
+        ),
+        (
+            "secs,nsecs,wx,wy,wz,ax,ay,az",
+            |row| format!("{},{}", 1_700_000_000 + row / 200, row % 200 * 5_000_000),
+            [1.0 / degree, 1.0 / 9.806_65],
+            "gyro=w:deg/s,accel=a:g,time=secs+nsecs",
+        ),
+    ] {
+        std::fs::write(&path, text(names, time, scales))?;
+        let found =
+            look(&path, &Reading::default(), &mut |_| {}).map_err(|fault| fault.messages().join("\n"))?;
+        assert!((found.rate_hz - 200.0).abs() < 0.01, "{}", found.rate_hz);
+        for (found, known) in found.mean_rate_rad_s.iter().zip([0.003, -0.002, 0.005]) {
+            assert!((found - known).abs() < 2e-4, "{found} {known}");
+        }
+        assert!((found.mean_force_m_s2[2] - 9.79).abs() < 0.01, "{:?}", found.mean_force_m_s2);
+        assert!(found.description.contains(map), "{}", found.description);
+        let told = crate::Log::open(&path, &Reading::default());
+        assert!(told.is_err());
     }
     Ok(())
 }

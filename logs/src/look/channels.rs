@@ -64,7 +64,7 @@ struct Still {
 }
 
 /// Takes in rates and forces.
-pub(super) struct Channels {
+pub(crate) struct Channels {
     interval: f64,
     rows: u64,
     extremes: [[Extreme; 2]; 6],
@@ -74,7 +74,7 @@ pub(super) struct Channels {
 }
 
 impl Channels {
-    pub(super) fn new(interval: f64) -> Self {
+    pub(crate) fn new(interval: f64) -> Self {
         Self {
             interval,
             rows: 0,
@@ -85,7 +85,7 @@ impl Channels {
         }
     }
 
-    pub(super) fn push(&mut self, rate: &Vector3<f64>, force: &Vector3<f64>) {
+    pub(crate) fn push(&mut self, rate: &Vector3<f64>, force: &Vector3<f64>) {
         self.rows += 1;
         let row = self.rows;
         let values: [f64; 6] = std::array::from_fn(|of| if of < 3 { rate[of] } else { force[of - 3] });
@@ -109,7 +109,7 @@ impl Channels {
         self.last = values;
     }
 
-    pub(super) fn warnings(&self, rests: &Rests) -> Vec<String> {
+    pub(crate) fn warnings(&self, rests: &Rests) -> Vec<String> {
         let mut warnings = Vec::new();
         let scatter = |of: usize| rests.noise.is_none_or(|noise| noise[of / 3][of % 3] > 0.0);
         let unit = |of: usize| if of < 3 { "rad/s" } else { "m/s^2" };

@@ -13,6 +13,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 use serde::Serialize;
+use sinscal::Sample;
 
 use super::description::Description;
 use super::fault::LogError;
@@ -22,7 +23,8 @@ use super::signals::{Opened, Signals};
 use super::still::{STANDARD_GRAVITY, force_unit};
 use super::table::Table;
 use crate::units::{DEG_PER_SQRT_HOUR, DEGREE, MICRO_G};
-use channels::Channels;
+pub(super) use axes::{Contradiction, contradictions};
+pub(super) use channels::Channels;
 use steps::Steps;
 
 /// A unit at rest feels gravity to this part.
@@ -41,6 +43,8 @@ pub struct Look {
     pub duration_s: f64,
     /// By the stamps, or by the description where there are none, Hz.
     pub rate_hz: f64,
+    /// Scatter of the steps about the interval, rms, gaps left out, s.
+    pub jitter_s: f64,
     /// Over the rests, or over all where there is none, rad/s.
     pub mean_rate_rad_s: [f64; 3],
     /// The same of the specific force, m/s^2.
@@ -71,13 +75,13 @@ pub struct Noise {
     pub accel_vrw_ug_sqrt_hz: [f64; 3],
 }
 
-/// Reads a log once and says what is in it. A description that lies beside it is heeded.
+/// Reads a log once and says what is in it; `each` sees its rows, without a reference. A description that lies beside it is heeded.
 ///
 /// # Errors
 /// When the files cannot be read, or nothing says which columns are which.
-pub fn look(log: &Path, reading: &Reading) -> Result<Look, LogError> {
+pub fn look(log: &Path, reading: &Reading, each: &mut dyn FnMut(&Sample)) -> Result<Look, LogError> {
     let Opened { table, reading, description } = Opened::of(log, reading)?;
-    let seen = Seen::of(&table, description.as_ref())?;
+    let seen = Seen::of(&table, description.as_ref(), each)?;
     Ok(seen.told(&table, &reading, description.as_ref()))
 }
 
@@ -94,7 +98,11 @@ struct Seen {
 }
 
 impl Seen {
-    fn of(table: &Table, description: Option<&Description>) -> Result<Self, LogError> {
+    fn of(
+        table: &Table,
+        description: Option<&Description>,
+        each: &mut dyn FnMut(&Sample),
+    ) -> Result<Self, LogError> {
         let interval = table.interval;
         let mut finder = RestFinder::new(interval);
         let mut seen = Self {
@@ -115,6 +123,7 @@ impl Seen {
             seen.channels.push(&row.rate, &row.force);
             finder.push(row.time, &row.rate, &row.force);
             if row.is_sound() {
+                each(&row.sample());
                 seen.sums[0] += row.rate;
                 seen.sums[1] += row.force;
                 seen.force += row.force.norm();
@@ -166,7 +175,7 @@ impl Seen {
             );
         } else {
             warnings.extend(self.gravity(table, &means));
-            warnings.extend(axes::warnings(&self.rests));
+            warnings.extend(contradictions(&self.rests).map(Contradiction::told));
         }
         if self.rests.rests.is_empty() {
             warnings.push(
@@ -180,6 +189,7 @@ impl Seen {
             samples: self.rows,
             duration_s: self.steps.duration(),
             rate_hz: self.steps.rate(),
+            jitter_s: self.steps.jitter(),
             mean_rate_rad_s: means[0].into(),
             mean_force_m_s2: means[1].into(),
             noise,
@@ -218,6 +228,10 @@ impl Seen {
                     .into()
             } else if (ratio * STANDARD_GRAVITY - 1.0).abs() < GRAVITY {
                 "this looks like g: --map accel=NAME:g".into()
+            } else if (ratio / rate - 1.0).abs() < GRAVITY && !table.rates()[1] {
+                "these are forces, read as increments: --map accel=NAME:m/s^2, and for the gyros gyro=NAME:rad/s".into()
+            } else if (ratio / rate * STANDARD_GRAVITY - 1.0).abs() < GRAVITY && !table.rates()[1] {
+                "these are forces in g, read as increments: --map accel=NAME:g, and for the gyros gyro=NAME:deg/s or rad/s".into()
             } else if let Some(counts) = counts {
                 format!("this looks like counts: --map 'accel=NAME:{counts} LSB/g'")
             } else if let Some(unit) = force_unit(ratio, rate) {

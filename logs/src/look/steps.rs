@@ -87,6 +87,12 @@ impl Steps {
         if self.usual.0 > 0.0 { self.usual.0 / self.usual.1 } else { 1.0 / self.interval }
     }
 
+    /// Scatter of the steps that are no gaps about the interval, rms, s.
+    pub(super) fn jitter(&self) -> f64 {
+        let (count, _, squares) = self.usual;
+        (squares / count.max(1.0)).sqrt()
+    }
+
     pub(super) fn warnings(&self, stated: Option<f64>) -> Vec<String> {
         let mut warnings = Vec::new();
         if self.back.count > 0 {
@@ -116,8 +122,7 @@ impl Steps {
                 self.gaps.largest
             ));
         }
-        let (count, _, squares) = self.usual;
-        let jitter = (squares / count.max(1.0)).sqrt();
+        let jitter = self.jitter();
         if jitter > JITTER * self.interval {
             warnings.push(format!(
                 "rows 1 to {}: the steps scatter by {jitter:.2e} s, {:.0} % of the interval: --stamps fit puts a straight line through \

@@ -2,7 +2,9 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use super::Look;
+use nalgebra::Vector3;
+
+use super::{Look, Rest};
 use crate::units::DEGREE;
 
 /// So many rests are listed.
@@ -19,9 +21,39 @@ impl Display for Triple {
     }
 }
 
+/// What rests read along the vertical.
+struct Upright {
+    /// Mean, least and most, m/s^2.
+    gravity: [f64; 3],
+    /// rad/s.
+    rate: f64,
+}
+
+impl Upright {
+    fn of(rests: &[Rest]) -> Option<Self> {
+        let forces = || rests.iter().map(|rest| Vector3::from(rest.force));
+        let count = rests.len() as f64;
+        let rates = rests
+            .iter()
+            .zip(forces())
+            .filter_map(|(rest, force)| Some(Vector3::from(rest.rate).dot(&force.try_normalize(1e-6)?)));
+        let norms = || forces().map(|force| force.norm());
+        let gravity = [
+            norms().sum::<f64>() / count,
+            norms().fold(f64::INFINITY, f64::min),
+            norms().fold(0.0, f64::max),
+        ];
+        (!rests.is_empty()).then(|| Self { gravity, rate: rates.sum::<f64>() / count })
+    }
+}
+
 impl Display for Look {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{} rows, {:.3} s, {:.4} Hz", self.samples, self.duration_s, self.rate_hz)?;
+        writeln!(
+            f,
+            "{} rows, {:.3} s, {:.4} Hz, the steps scatter by {:.1e} s",
+            self.samples, self.duration_s, self.rate_hz, self.jitter_s
+        )?;
         for note in &self.read {
             writeln!(f, "  {note}")?;
         }
@@ -47,6 +79,15 @@ impl Display for Look {
         writeln!(f, "{:34} {} deg/s", "  rate", Triple(rate, 5))?;
         writeln!(f, "{:34} {} deg/h", "", Triple(rate.map(|rate| rate * 3600.0), 2))?;
         writeln!(f, "{:34} {} m/s^2", "  specific force", Triple(self.mean_force_m_s2, 5))?;
+        if let Some(Upright { gravity: [mean, low, high], rate }) = Upright::of(&self.rests) {
+            writeln!(f, "{:34} {mean:>11.5} m/s^2, from {low:.5} to {high:.5}", "gravity in the rests")?;
+            writeln!(
+                f,
+                "{:34} {:>11.2} deg/h; the Earth's is 15.04 sin(latitude), the rest is bias",
+                "rate about the vertical there",
+                rate / DEGREE * 3600.0
+            )?;
+        }
         if let Some(noise) = &self.noise {
             writeln!(f, "noise in the rests")?;
             writeln!(f, "{:34} {} deg/sqrt(h)", "  angle random walk", Triple(noise.gyro_arw_deg_sqrt_h, 5))?;

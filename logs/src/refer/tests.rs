@@ -99,7 +99,7 @@ fn a_hand_carried_unit_is_referred_to_its_rests() -> Done {
     assert!((noise.angle_random_walk / (4e-5 * uniform * RATE.sqrt()) - 1.0).abs() < 0.2, "{noise:?}");
     assert!((noise.velocity_random_walk / (4e-4 * uniform * RATE.sqrt()) - 1.0).abs() < 0.2, "{noise:?}");
     assert!((log.description().prior("gyro-bias") - 2_f64.to_radians()).abs() < 1e-12);
-    for (said, text) in [(0, "priors"), (1, "at rest 2 times"), (2, "[initial]"), (3, "[noise]")] {
+    for (said, text) in [(0, "at rest 2 times"), (1, "[initial]"), (2, "[noise]"), (3, "priors")] {
         assert!(log.assumed()[said].contains(text), "{:?}", log.assumed());
     }
     assert!(!log.warnings().iter().any(|warning| warning.contains("[noise]")), "{:?}", log.warnings());
@@ -168,5 +168,33 @@ fn the_description_goes_before_and_what_cannot_be_is_refused() -> Done {
     }
     let problem = refused(&shaken, MEMS, HAND);
     assert!(problem.contains("rests nowhere"), "{problem}");
+    Ok(())
+}
+
+/// Logs with one fault each, as they lie beside the project.
+#[test]
+fn what_rests_contradict_is_said_before_anything_is_estimated() -> Done {
+    for (case, refusal, warning) in [
+        ("gyro-axis-inverted", Some("--axes gyro=+x+y-z"), None),
+        ("noise-in-si-units", Some("noise.gyro_arw_deg_sqrt_h is 8.730e-5"), None),
+        ("saturated-gyro", None, Some("gyro y stands at")),
+        ("carried-unit", None, None),
+    ] {
+        let path = crate::cases::shared().join("cases/logs").join(case).join("log.csv");
+        if !path.is_file() {
+            println!("skipped: {} is not here", path.display());
+            continue;
+        }
+        let mut log = Log::open(&path, &Reading::default())?;
+        let refused = log.refer(HAND).err().map(|fault| fault.messages().join("\n"));
+        match (refusal, &refused) {
+            (Some(part), Some(said)) => assert!(said.contains(part), "{case}: {said}"),
+            (None, None) => {}
+            _ => panic!("{case}: {refused:?}"),
+        }
+        let told = log.warnings().join("\n");
+        assert_eq!(warning.is_some_and(|part| told.contains(part)), warning.is_some(), "{case}: {told}");
+        assert!(warning.is_some() || !told.contains("rows"), "{case}: {told}");
+    }
     Ok(())
 }

@@ -1,0 +1,120 @@
+//! A table written once more, with other rates and forces and everything else as it stands.
+
+mod columns;
+mod text;
+
+use std::io::{self, Write};
+
+use nalgebra::Vector3;
+use sinscal::Sample;
+
+use self::columns::Columns;
+use self::text::Text;
+use super::columns::Group;
+use super::fault::LogError;
+use super::rows::Row;
+use super::table::Format;
+use super::{Log, Samples};
+
+/// Angle and velocity increments, rad and m/s, in the axes of samples.
+type Increments = (Vector3<f64>, Vector3<f64>);
+
+/// A column of the file, counted from 0, and what is added to its number in a row, in its unit.
+type Change = (usize, f64);
+
+/// A table on its way from file to file.
+trait Sheet {
+    /// The next row, which stands in this line of a text, with numbers changed in some columns: the same in all rows.
+    fn put(&mut self, line: Option<u64>, changes: &[Change]) -> io::Result<()>;
+
+    /// What comes after the last row.
+    fn finish(self: Box<Self>) -> io::Result<()>;
+}
+
+impl Log {
+    /// Whether its table can be written by [`rewrite`](Self::rewrite).
+    ///
+    /// # Errors
+    /// When it cannot: says which can.
+    pub fn can_be_rewritten(&self) -> Result<(), LogError> {
+        if self.table.format() != Format::Arrays {
+            return Ok(());
+        }
+        let help = "text (CSV and its like) and Parquet are written: save the log as one of these first";
+        Err(LogError::file(self.table(), "is of a format that is not written").help(help))
+    }
+
+    /// Writes its table with the increments that `correct` makes of each sample: names, units, axes and separators of the file stay, so do
+    /// all other columns and lines. What the file holds as rates or forces changes by the change of the increment over its step.
+    ///
+    /// # Errors
+    /// When the log is faulty or cannot be read, and when `out` cannot be written.
+    pub fn rewrite(
+        &self,
+        out: &mut (dyn Write + Send),
+        correct: &mut dyn FnMut(&Sample) -> Increments,
+    ) -> Result<io::Result<()>, LogError> {
+        self.can_be_rewritten()?;
+        let slots = [Group::DTHETA, Group::GYRO_PULSE, Group::DVEL, Group::ACCEL_PULSE];
+        let places = slots.into_iter().flat_map(Group::slots).filter_map(|slot| self.table.place(slot));
+        let mut sheet: Box<dyn Sheet + '_> = match self.table.format() {
+            Format::Parquet => {
+                let variables: Vec<usize> = places.map(|(variable, _)| variable).collect();
+                match Columns::open(self.table(), out, &variables) {
+                    Ok(sheet) => Box::new(sheet),
+                    Err(error) => return Ok(Err(error)),
+                }
+            }
+            _ => Box::new(Text::open(self.table(), out)?),
+        };
+        let mut samples = self.samples()?;
+        while let Some((sample, step)) = self.next_row(&mut samples)? {
+            let changes = self.changes(&sample, correct(&sample), step);
+            if let Err(error) = sheet.put(samples.line(), &changes) {
+                return Ok(Err(error));
+            }
+        }
+        Ok(sheet.finish())
+    }
+
+    /// The next row of the table, and its step, s.
+    fn next_row(&self, samples: &mut Samples) -> Result<Option<(Sample, f64)>, LogError> {
+        let sample = match samples.row() {
+            Ok(None) => return Ok(None),
+            Ok(Some(Row::Next(sample))) => sample,
+            Ok(Some(Row::AfterGap(sample, seconds, _))) if seconds <= self.bridge => sample,
+            Ok(Some(Row::AfterGap(_, _, fault))) | Err(fault) => return Err(samples.survey(fault)),
+        };
+        let interval = 1.0 / self.description.rate;
+        let step = samples.last.replace(sample.time).map_or(interval, |last| sample.time - last);
+        let usual = step > 0.0 && step <= self.table.plan.longest_step * interval;
+        Ok(Some((sample, if usual { step } else { interval })))
+    }
+
+    /// What changes in the columns of a row.
+    fn changes(&self, sample: &Sample, (dtheta, dvel): Increments, step: f64) -> Vec<Change> {
+        let description = &self.description;
+        let (gyro, accel) = (dtheta - sample.dtheta, dvel - sample.dvel);
+        let pulses = |change: Vector3<f64>, size: Option<Vector3<f64>>| {
+            size.map_or(change, |size| change.component_div(&size))
+        };
+        let axes = self.table.axes();
+        let mut changes = Vec::with_capacity(6);
+        for (group, change, axes) in [
+            (Group::DTHETA, gyro, axes.gyro()),
+            (Group::GYRO_PULSE, pulses(gyro, description.gyro_pulse), axes.gyro()),
+            (Group::DVEL, accel, axes.accel()),
+            (Group::ACCEL_PULSE, pulses(accel, description.accel_pulse), axes.accel()),
+        ] {
+            // the axes of the file
+            let change = axes.matrix().transpose() * change;
+            for (slot, change) in group.slots().zip(&change) {
+                if let Some((column, unit)) = self.table.place(slot) {
+                    let length = if unit.per_interval { step } else { 1.0 };
+                    changes.push((column, change / unit.scale / length));
+                }
+            }
+        }
+        changes
+    }
+}
