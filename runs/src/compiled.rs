@@ -6,9 +6,11 @@ use core::ops::Range;
 use calib_core::{Array, Filter, Shape, relaxations};
 use sinscal::navigation::{Pilot, pilot_of};
 use sinscal::{Calibration, Gate, Known, OpenBlocks, Setup, Strapdown};
+use sinscal::{Corrector, corrector_of};
 
 use crate::Error;
 use crate::channels::Channels;
+use crate::foresee::{Piece, foresee};
 use crate::observe::{Analysis, look};
 use crate::running::{Options, Running, start};
 use crate::samples::{Samples, each};
@@ -59,8 +61,22 @@ pub trait Compiled: Send + Sync {
     fn observe(&self, samples: &dyn Samples, setup: &Setup, selection: &Selection)
     -> Result<Analysis, Error>;
 
+    /// Standard deviations of the parameters that take part, as they will be after a motion that is known beforehand.
+    ///
+    /// # Errors
+    /// When the covariance breaks down.
+    fn foresee(
+        &self,
+        ahead: &mut dyn Iterator<Item = Piece>,
+        setup: &Setup,
+        selection: &Selection,
+    ) -> Result<Vec<f64>, Error>;
+
     /// A pilot with known values of the parameters that take part.
     fn pilot(&self, setup: &Setup, selection: &Selection, values: &[f64]) -> Box<dyn Pilot>;
+
+    /// What takes out of samples the errors of known values of the parameters that take part.
+    fn corrector(&self, setup: &Setup, selection: &Selection, values: &[f64]) -> Corrector;
 
     /// Runs a pass with the parameters taken as known, and tells the linear system that it is.
     ///
@@ -112,9 +128,23 @@ impl<F: Filter<Dynamics = Strapdown>> Compiled for Of<F> {
         look::<F>(samples, setup, selection)
     }
 
+    fn foresee(
+        &self,
+        ahead: &mut dyn Iterator<Item = Piece>,
+        setup: &Setup,
+        selection: &Selection,
+    ) -> Result<Vec<f64>, Error> {
+        foresee::<F>(ahead, setup, selection)
+    }
+
     fn pilot(&self, setup: &Setup, selection: &Selection, values: &[f64]) -> Box<dyn Pilot> {
         let setup = Setup { open: selection.open, ..*setup };
         pilot_of::<F>(&setup, &placed::<F>(selection, values))
+    }
+
+    fn corrector(&self, setup: &Setup, selection: &Selection, values: &[f64]) -> Corrector {
+        let setup = Setup { open: selection.open, ..*setup };
+        corrector_of::<F>(&setup, &placed::<F>(selection, values))
     }
 
     fn trace(
@@ -127,25 +157,41 @@ impl<F: Filter<Dynamics = Strapdown>> Compiled for Of<F> {
     ) -> Result<Traced, Error> {
         let setup = Setup { open: selection.open, ..*setup };
         let mut pass = Box::new(Calibration::<F, Known>::with_prior(&setup, |_, _, sigma| sigma));
-        let covariance = pass.covariance();
-        let start = core::array::from_fn(|i| covariance[i][i].sqrt());
         pass.judge_as(about.gate);
+        let mut traced = begun::<F, _>(&pass, selection);
         pass.begin_known(&placed::<F>(selection, about.values));
-        let mut tracer = Tracer::<F>::new(selection, trace);
+        trace.begin(&traced);
+        let mut tracer = Tracer::<F, _>::new(selection, trace);
         each(samples, |sample| {
             let diverged = |diverged| Error::Diverged { filter: F::NAME.to_owned(), diverged };
             pass.step_observed(sample, &mut tracer).map(drop).map_err(diverged)
         })?;
-        let mut relaxing = Vec::new();
-        relaxations::<F, f64>(|state, _| {
-            relaxing.extend(selection.place(state).map(|place| (place, pass.relaxing()[state])));
-        });
-        Ok(Traced { gate: pass.gate(), start, relaxing, channels: Channels::of(F::MEASURES).names })
+        (traced.gate, traced.statistics) = (pass.gate(), *pass.statistics());
+        Ok(traced)
+    }
+}
+
+/// What a traced pass of a calibration begins with.
+pub(crate) fn begun<F: Filter<Dynamics = Strapdown>, C: sinscal::Form>(
+    calibration: &Calibration<F, C>,
+    selection: &Selection,
+) -> Traced {
+    let covariance = calibration.covariance();
+    let mut relaxing = Vec::new();
+    relaxations::<F, f64>(|state, _| {
+        relaxing.extend(selection.place(state).map(|place| (place, calibration.relaxing()[state])));
+    });
+    Traced {
+        gate: calibration.gate(),
+        statistics: *calibration.statistics(),
+        start: core::array::from_fn(|i| covariance[i][i].sqrt()),
+        relaxing,
+        channels: Channels::of(F::MEASURES).names,
     }
 }
 
 /// Values of the parameters that take part, as states of the compiled filter.
-fn placed<F: Filter>(selection: &Selection, values: &[f64]) -> calib_core::Vector<F, f64> {
+pub(crate) fn placed<F: Filter>(selection: &Selection, values: &[f64]) -> calib_core::Vector<F, f64> {
     let mut states = F::Shape::vector(0.0);
     for (state, value) in selection.states.iter().zip(values) {
         states.as_mut_slice()[*state] = *value;

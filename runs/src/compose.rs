@@ -1,12 +1,13 @@
 //! Filters composed at run time: a filter and effects that it lacks, or without blocks that it has.
 
+use std::any::TypeId;
 use std::collections::BTreeMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use calib_core::Dynamics;
 use sinscal::{
-    AnyBlock, AnyEffect, Attitude, Dither, DitherSizeEffect, InnerLeverArm, OpenBlocks, OpenError, Position,
-    Setup, StateInfo, Strapdown, Velocity,
+    AnyBlock, AnyEffect, Attitude, BiasWander, Dither, DitherSizeEffect, InnerLeverArm, OpenBlocks,
+    OpenError, Position, Setup, StateInfo, Strapdown, Velocity, any_effect,
 };
 
 use crate::compiled::{Compiled, Selection};
@@ -25,6 +26,7 @@ pub struct Composition {
     own_columns: Vec<&'static str>,
     with: Vec<&'static str>,
     without: Vec<&'static str>,
+    considered: Vec<&'static str>,
     states: Vec<StateInfo>,
     blocks: Vec<Leaf>,
     pool: &'static Pool,
@@ -108,7 +110,8 @@ impl Composition {
             added.push(leaf(*effect));
         }
         let arms = own.iter().chain(&added).any(|leaf| leaf.is::<InnerLeverArm>());
-        let mut couples = own.iter().any(Leaf::is::<Dither>);
+        let of_base = base.needs_dither() && !base.blocks().iter().any(Leaf::is::<Dither>);
+        let mut couples = of_base || own.iter().any(Leaf::is::<Dither>);
         if arms {
             let before = added.len();
             added.retain(|leaf| !leaf.is::<DitherSizeEffect>());
@@ -128,7 +131,7 @@ impl Composition {
         effects: &[&'static dyn AnyEffect],
     ) -> Result<Self, ComposeError> {
         let there = (pool.blocks)();
-        let mut open: Vec<&'static dyn AnyBlock> = Vec::new();
+        let mut open: Vec<Leaf> = Vec::new();
         let mut in_open = 0;
         let mut places = Vec::new();
         let (mut states, mut blocks) = (Vec::new(), Vec::new());
@@ -144,7 +147,7 @@ impl Composition {
                     known.first
                 }
                 None => {
-                    open.push(leaf.block);
+                    open.push(leaf);
                     in_open += dim;
                     there.iter().find(|known| known.is::<sinscal::Open>()).map_or(0, |open| open.first)
                         + in_open
@@ -156,7 +159,7 @@ impl Composition {
         let absent =
             |leaf: &&Leaf| !is_core(leaf) && !present.contains(&leaf.id) && !leaf.is::<sinscal::Open>();
         let absent = there.iter().filter(absent).map(|leaf| leaf.name).collect();
-        let mut joined = OpenBlocks::new(kept(open))?;
+        let mut joined = OpenBlocks::new(kept(&open))?;
         if !couples {
             joined = joined.without_dither();
         }
@@ -169,6 +172,7 @@ impl Composition {
             own_columns: base.own_columns(),
             with: base.with().into_iter().chain(effects.iter().map(|effect| effect.name())).collect(),
             without: Vec::new(),
+            considered: base.considers(),
             states,
             blocks,
             pool,
@@ -176,6 +180,47 @@ impl Composition {
             absent,
         })
     }
+}
+
+/// `filter` with the wander of the biases that is known and that it does not have yet.
+///
+/// # Errors
+/// When there is no room.
+pub fn wandering(
+    filter: &Arc<dyn AnyFilter>,
+    wander: &BiasWander,
+) -> Result<Arc<dyn AnyFilter>, ComposeError> {
+    let blocks = filter.blocks();
+    let lacks = |name: &&str| blocks.iter().all(|leaf| leaf.name != *name);
+    let added: Vec<_> = wander.effects().filter(lacks).filter_map(any_effect).collect();
+    if added.is_empty() {
+        return Ok(filter.clone());
+    }
+    Ok(Arc::new(Composition::new(&**filter, &added)?))
+}
+
+/// `filter` that considers `effects`, those that it lacks as well as its own: their states keep their priors, and what these make
+/// uncertain is in the covariance of the others.
+///
+/// # Errors
+/// When there is no room.
+pub fn considering(
+    filter: &Arc<dyn AnyFilter>,
+    effects: &[&'static dyn AnyEffect],
+) -> Result<Arc<dyn AnyFilter>, ComposeError> {
+    if effects.is_empty() {
+        return Ok(filter.clone());
+    }
+    let blocks = filter.blocks();
+    let lacks = |effect: &&&'static dyn AnyEffect| blocks.iter().all(|leaf| leaf.name != effect.name());
+    let added: Vec<_> = effects.iter().filter(lacks).copied().collect();
+    let mut composed = Composition::new(&**filter, &added)?;
+    for effect in effects {
+        if !composed.considered.contains(&effect.name()) {
+            composed.considered.push(effect.name());
+        }
+    }
+    Ok(Arc::new(composed))
 }
 
 /// An effect as a block; where it begins is not known yet.
@@ -192,16 +237,16 @@ fn is_core(leaf: &Leaf) -> bool {
 const CORE: usize = <Strapdown as Dynamics>::CORE;
 
 /// A list of blocks that lives as long as the program: one for each set of blocks, however often it is asked for.
-fn kept(blocks: Vec<&'static dyn AnyBlock>) -> &'static [&'static dyn AnyBlock] {
+fn kept(blocks: &[Leaf]) -> &'static [&'static dyn AnyBlock] {
     type List = &'static [&'static dyn AnyBlock];
-    static KEPT: Mutex<BTreeMap<Vec<usize>, List>> = Mutex::new(BTreeMap::new());
+    static KEPT: Mutex<BTreeMap<Vec<TypeId>, List>> = Mutex::new(BTreeMap::new());
     if blocks.is_empty() {
         return &[];
     }
-    let key =
-        blocks.iter().map(|block| core::ptr::from_ref::<dyn AnyBlock>(*block).cast::<()>().addr()).collect();
+    // not by their addresses: objects without size may all have the same
+    let key = blocks.iter().map(|leaf| leaf.id).collect();
     let mut all = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
-    all.entry(key).or_insert_with(|| Vec::leak(blocks))
+    all.entry(key).or_insert_with(|| blocks.iter().map(|leaf| leaf.block).collect::<Vec<_>>().leak())
 }
 
 impl AnyFilter for Composition {
@@ -248,7 +293,8 @@ impl AnyFilter for Composition {
     fn prepare<'a>(&'a self, setup: &Setup<'a>, priors: &'a mut Vec<(&'a str, f64)>) -> Setup<'a> {
         priors.extend(self.absent.iter().map(|name| (*name, 0.0)));
         priors.extend(setup.priors.iter().filter(|(name, _)| !self.absent.contains(name)));
-        Setup { priors, ..*setup }
+        let considered = if self.considered.is_empty() { setup.considered } else { &self.considered };
+        Setup { priors, considered, ..*setup }
     }
 
     fn with(&self) -> Vec<&'static str> {
@@ -257,6 +303,10 @@ impl AnyFilter for Composition {
 
     fn without(&self) -> Vec<&'static str> {
         self.without.clone()
+    }
+
+    fn considers(&self) -> Vec<&'static str> {
+        self.considered.clone()
     }
 
     fn needs_dither(&self) -> bool {

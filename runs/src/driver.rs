@@ -6,10 +6,13 @@ use rayon::prelude::*;
 use sinscal::{Sample, Setup, Statistics};
 
 use crate::Error;
+use crate::budget::budget;
+use crate::consider;
 use crate::filter::AnyFilter;
 use crate::outcome::Outcome;
 use crate::running::{Options, Running};
 use crate::samples::Samples;
+use crate::settle;
 
 /// Samples handed over at a time when several filters run: enough to make a thread's while, few enough to stay in the cache.
 const CHUNK: usize = 8192;
@@ -24,7 +27,7 @@ pub trait Watch {
 
 impl Watch for () {}
 
-/// Runs a filter over a log.
+/// Runs a filter over a log. With [`Options::settle`] and more than one pass, what a pass finds is kept only if it is better.
 ///
 /// # Errors
 /// When the log cannot be read, the filter diverges, or no reading was of what it measures.
@@ -35,6 +38,12 @@ pub fn calibrate(
     options: &Options,
     watch: &mut dyn Watch,
 ) -> Result<Outcome, Error> {
+    if options.settle && options.passes > 1 {
+        if !filter.considers().is_empty() {
+            return consider::calibrate(filter, samples, setup, options, watch);
+        }
+        return settle::calibrate(filter, samples, setup, options, watch);
+    }
     let mut outcomes = calibrate_all(&[filter], samples, setup, options, watch)?;
     outcomes.pop().ok_or_else(|| no_update(filter))
 }
@@ -64,21 +73,25 @@ pub fn calibrate_all(
     }
     let mut outcomes = Vec::with_capacity(runs.len());
     for (filter, run) in filters.iter().zip(runs) {
-        let outcome = run.finish()?;
+        let mut outcome = run.finish()?;
         if outcome.statistics.updates == 0 {
             return Err(no_update(*filter));
+        }
+        let considered = filter.considers();
+        if !considered.is_empty() {
+            outcome.budget = budget(&outcome, &considered);
         }
         outcomes.push(outcome);
     }
     Ok(outcomes)
 }
 
-fn no_update(filter: &dyn AnyFilter) -> Error {
+pub(crate) fn no_update(filter: &dyn AnyFilter) -> Error {
     Error::NoUpdate { filter: filter.title(), measures: filter.measures().join(" and ") }
 }
 
 /// Gives every sample to every run.
-fn feed(
+pub(crate) fn feed(
     filters: &[&dyn AnyFilter],
     runs: &mut [Box<dyn Running>],
     samples: &dyn Samples,

@@ -37,6 +37,12 @@ pub enum Error {
         /// Length of the alignment.
         seconds: f64,
     },
+    /// No values of the parameters explain a log even roughly.
+    #[error("{filter} explains this log neither with what it found nor with what was believed before")]
+    NoGuess {
+        /// Name of the filter.
+        filter: String,
+    },
     /// There is nothing to compare navigation with.
     #[error("no row has a reference position to compare with")]
     NoPosition,

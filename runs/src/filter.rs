@@ -3,12 +3,13 @@
 use core::any::TypeId;
 use core::marker::PhantomData;
 
-use calib_core::{Block, BlockVisitor, Dynamics, Filter, Sizes};
+use calib_core::{Block, BlockVisitor, Dynamics, Filter, Sizes, considered_in};
 use sinscal::navigation::Pilot;
-use sinscal::{AnyBlock, FilterInfo, Setup, StateInfo, Strapdown};
+use sinscal::{AnyBlock, Corrector, FilterInfo, Setup, StateInfo, Strapdown};
 
 use crate::Error;
 use crate::compiled::{About, Compiled, Of, Selection};
+use crate::foresee::Piece;
 use crate::observe::Analysis;
 use crate::pool::pool;
 use crate::running::{Options, Running};
@@ -59,6 +60,12 @@ pub trait AnyFilter: Send + Sync {
         Vec::new()
     }
 
+    /// Names of the blocks whose states are considered: no measurement changes them, and what they make uncertain is in the covariance of
+    /// the others.
+    fn considers(&self) -> Vec<&'static str> {
+        Vec::new()
+    }
+
     /// Names of the blocks that were left out of it.
     fn without(&self) -> Vec<&'static str> {
         Vec::new()
@@ -66,9 +73,25 @@ pub trait AnyFilter: Send + Sync {
 
     /// What people call it: its name, what was added to it, and what was left out.
     fn title(&self) -> String {
-        let with = self.with().into_iter().map(|name| format!(" + {name}"));
+        let considers = self.considers();
+        let with = self.with().into_iter().filter(|name| !considers.contains(name));
+        let with = with.map(|name| format!(" + {name}"));
         let without = self.without().into_iter().map(|name| format!(" - {name}"));
-        with.chain(without).fold(self.name().to_owned(), |title, part| title + &part)
+        let of = match considers.as_slice() {
+            [] => None,
+            [_, _, _, ..] => Some(format!(" (considering {} effects)", considers.len())),
+            few => Some(format!(" (considering {})", few.join(" and "))),
+        };
+        with.chain(without).chain(of).fold(self.name().to_owned(), |title, part| title + &part)
+    }
+
+    /// Whether the states of the block called `name` change in the course of a run.
+    fn changes(&self, name: &str) -> bool {
+        let mut changes = false;
+        for leaf in self.blocks().iter().filter(|leaf| leaf.name == name) {
+            leaf.block.relaxation(&mut |_, _| changes = true);
+        }
+        changes
     }
 
     /// The states after those of the navigation, in order.
@@ -180,6 +203,18 @@ impl<F: Filter<Dynamics = Strapdown, Shape: Sizes>> AnyFilter for Declared<F> {
         leaves::<F>()
     }
 
+    fn considers(&self) -> Vec<&'static str> {
+        let mut considered = vec![false; F::DIM];
+        considered_in::<F>(|state| considered[state] = true);
+        let mut names = Vec::new();
+        for (info, considered) in self.states().iter().zip(considered) {
+            if considered && !names.contains(&info.block) {
+                names.push(info.block);
+            }
+        }
+        names
+    }
+
     fn compiled(&self) -> (&'static dyn Compiled, &Selection) {
         (const { &Of::<F>::NEW }, &self.selection)
     }
@@ -205,6 +240,15 @@ impl dyn AnyFilter + '_ {
         code.observe(samples, &self.prepare(setup, &mut Vec::new()), selection)
     }
 
+    /// Standard deviations of the parameters, in their order, as a pass over a motion that is known beforehand will state them.
+    ///
+    /// # Errors
+    /// When the covariance breaks down.
+    pub fn foresee(&self, ahead: &mut dyn Iterator<Item = Piece>, setup: &Setup) -> Result<Vec<f64>, Error> {
+        let (code, selection) = self.compiled();
+        code.foresee(ahead, &self.prepare(setup, &mut Vec::new()), selection)
+    }
+
     /// Takes the first guess of the outer lever arm out of values of the parameters, which as people know them include it.
     pub fn without_guess(&self, setup: &Setup, values: &mut [f64]) {
         let core = <Strapdown as Dynamics>::CORE;
@@ -219,6 +263,14 @@ impl dyn AnyFilter + '_ {
     pub fn pilot_with(&self, setup: &Setup, values: &[f64]) -> Box<dyn Pilot> {
         let (code, selection) = self.compiled();
         code.pilot(&self.prepare(setup, &mut Vec::new()), selection, values)
+    }
+
+    /// What takes out of samples the errors of known parameters, by name as in `navigate`.
+    pub fn corrector(&self, setup: &Setup, value: &mut dyn FnMut(&StateInfo) -> Option<f64>) -> Corrector {
+        let mut values: Vec<f64> = self.parameters().iter().map(|info| value(info).unwrap_or(0.0)).collect();
+        self.without_guess(setup, &mut values);
+        let (code, selection) = self.compiled();
+        code.corrector(&self.prepare(setup, &mut Vec::new()), selection, &values)
     }
 
     /// Runs a pass with the parameters taken as known, and tells the linear system that it is.

@@ -75,6 +75,14 @@ impl History {
         self.times.get(first).map(|time| time - start)
     }
 
+    /// The least and the largest value of a parameter since it converged.
+    pub fn range(&self, parameter: usize, start: f64) -> Option<(f64, f64)> {
+        let since = self.converged(parameter, start)? + start;
+        let values = self.rows().filter(|(time, _)| *time >= since).map(|(_, points)| points[parameter].0);
+        let range = |(least, most): (f64, f64), value: f64| (least.min(value), most.max(value));
+        Some(values.fold((f64::INFINITY, f64::NEG_INFINITY), range))
+    }
+
     /// Times with the values and sigmas kept for them.
     pub fn rows(&self) -> impl Iterator<Item = (f64, &[(f64, f64)])> {
         self.times.iter().copied().zip(self.points.chunks(self.width.max(1)))
@@ -99,6 +107,8 @@ mod tests {
         assert!(history.times.len() <= CAPACITY);
         assert!(history.times.windows(2).all(|pair| pair[0] < pair[1]));
         assert_eq!(history.converged(0, 0.0), Some(0.0));
+        assert_eq!(history.range(0, 0.0), Some((0.0, 99_999.0)));
+        assert!(history.range(1, 0.0).is_some_and(|(least, most)| least == -99_999.0 && most < -39_999.0));
         assert!(history.converged(1, 0.0).is_some_and(|time| (40_000.0..40_200.0).contains(&time)));
         assert!(history.rows().all(|(time, point)| point[0].0 == time && point[1].0 == -time));
     }

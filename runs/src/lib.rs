@@ -19,38 +19,55 @@
 //!
 //! This crate knows no file of a log and no simulator: samples come from whatever implements [`Samples`].
 
+mod budget;
 mod channels;
 mod compiled;
 mod compose;
+mod consider;
 mod driver;
 mod error;
 mod filter;
+mod foresee;
 mod history;
 mod look;
 mod navigate;
 mod observe;
 mod outcome;
 mod pool;
+mod posterior;
+pub mod products;
 mod refusals;
+mod repeat;
 mod running;
 mod samples;
+mod scores;
+mod settle;
+mod start;
 mod tape;
+mod timing;
+mod together;
 mod trace;
 mod vocabulary;
 
+pub use budget::Budget;
 pub use channels::Channels;
 pub use compiled::{About, Compiled, Selection};
-pub use compose::{ComposeError, Composition};
+pub use compose::{ComposeError, Composition, considering, wandering};
+pub use consider::{Exact, exact};
 pub use driver::{Watch, calibrate, calibrate_all};
 pub use error::Error;
 pub use filter::{AnyFilter, Declared, Leaf, Pool};
+pub use foresee::Piece;
 pub use history::History;
 pub use look::{Look, Saturated};
 pub use navigate::{Calibrated, Flight, Values, navigate};
 pub use observe::{Analysis, SPANS, State, observe};
-pub use outcome::{Evidence, Outcome, Verdict, judge};
+pub use outcome::{Evidence, Outcome, Pass, Verdict, judge};
 pub use refusals::Stretch;
+pub use repeat::{Repeat, Scatter};
 pub use running::{Form, Options, Running};
-pub use samples::{Extent, ReadError, Samples, each, extent};
+pub use samples::{Extent, ReadError, Samples, each, extent, site_shown};
+pub use timing::Timing;
+pub use together::Together;
 pub use trace::{Measured, Moved, Row, Trace, Traced};
 pub use vocabulary::Vocabulary;

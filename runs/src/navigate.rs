@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use sinscal::navigation::{Drift, NAUTICAL_MILE, Pilot};
-use sinscal::{Diverged, Sample, Setup, StateInfo};
+use sinscal::{Corrector, Diverged, Sample, Setup, StateInfo};
 
 use crate::Error;
 use crate::filter::AnyFilter;
@@ -62,15 +62,24 @@ impl Flight {
 impl Calibrated {
     /// A pilot with what was found, with its name.
     pub fn pilot(&self, setup: &Setup) -> (String, Box<dyn Pilot>) {
-        let mut find = |info: &StateInfo| {
-            let same = |(name, component, _): &&(String, String, Option<f64>)| {
-                name == info.block && component == info.component
-            };
-            self.values.iter().find(same).and_then(|(_, _, value)| *value)
+        (self.filter.title(), self.filter.pilot(&self.setup(setup), &mut |info| self.value(info)))
+    }
+
+    /// What takes the errors that were found out of samples.
+    pub fn corrector(&self, setup: &Setup) -> Corrector {
+        self.filter.corrector(&self.setup(setup), &mut |info| self.value(info))
+    }
+
+    fn value(&self, info: &StateInfo) -> Option<f64> {
+        let same = |(name, component, _): &&(String, String, Option<f64>)| {
+            name == info.block && component == info.component
         };
+        self.values.iter().find(same).and_then(|(_, _, value)| *value)
+    }
+
+    fn setup<'a>(&self, setup: &Setup<'a>) -> Setup<'a> {
         let reference_temperature = self.reference_temperature.unwrap_or(setup.reference_temperature);
-        let setup = Setup { reference_temperature, ..*setup };
-        (self.filter.title(), self.filter.pilot(&setup, &mut find))
+        Setup { reference_temperature, ..*setup }
     }
 }
 

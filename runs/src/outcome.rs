@@ -1,16 +1,25 @@
 //! What came of a run, and what to think of it.
 
 use nalgebra::{UnitQuaternion, Vector3};
-use sinscal::{ChannelInnovations, Gate, Parameter, Smoothed, Statistics};
+use serde::Serialize;
+use sinscal::{
+    ChannelInnovations, Gate, InitialAttitude, Parameter, SiteFault, SiteShown, Smoothed, Statistics,
+};
 
+use crate::budget::Budget;
 use crate::history::History;
 use crate::look::Look;
 use crate::navigate::Values;
 use crate::refusals::Stretch;
+use crate::repeat::Repeat;
 
 /// NIS per degree of freedom of a filter whose model and noise agree with the data: 1, give or take what a few per cent
 /// of unmodelled noise make of it.
 const FITS: (f64, f64) = (0.8, 1.2);
+/// So many standard deviations of the prior from its mean nothing lies: the prior is wrong, or the log is.
+const BEYOND: f64 = 5.0;
+/// Passes agree whose results differ by less than this, in standard deviations; the stated sigmas contain the difference.
+const AGREE: f64 = 3.0;
 /// Fewer updates than this say nothing of the fit.
 const FEWEST: usize = 10;
 
@@ -31,6 +40,13 @@ pub struct Outcome {
     pub parameters: Vec<Parameter>,
     /// Their covariance, SI.
     pub covariance: Vec<Vec<f64>>,
+    /// By how many prior standard deviations each departs from what was believed before the run, a first guess or a coarse calibration
+    /// included.
+    pub departures: Vec<f64>,
+    /// Values of their states, SI: without a first guess or what a coarse calibration took out of the samples.
+    pub state_values: Vec<f64>,
+    /// Attitude at the first sample that the last pass began with.
+    pub begun: InitialAttitude,
     /// How they came about in the last pass.
     pub history: History,
     /// Sums over the updates of the last pass.
@@ -45,6 +61,10 @@ pub struct Outcome {
     pub velocity: Vector3<f64>,
     /// What the samples say by themselves.
     pub look: Look,
+    /// What rests in several positions show of the site, where sigmas were asked to be relied on and the gyros feel the Earth.
+    pub site: Option<SiteShown>,
+    /// What that contradicts.
+    pub site_fault: Option<SiteFault>,
     /// Whether the log tells any dither.
     pub dithers: bool,
     /// What the last pass left out of the reference.
@@ -53,6 +73,23 @@ pub struct Outcome {
     pub smoothed: Option<Vec<Smoothed>>,
     /// The residuals of the last pass, if they were asked for.
     pub residuals: Option<Vec<ChannelInnovations>>,
+    /// The passes, and the shortened steps where a pass made it worse; empty where nobody asked whether passes agree.
+    pub passes: Vec<Pass>,
+    /// By how many standard deviations another pass would move what moves most, where that was asked.
+    pub moved: Option<f64>,
+    /// How far the sigmas repeat within the log, where that was asked.
+    pub repeat: Option<Repeat>,
+    /// What the sigmas are made of, where something is considered.
+    pub budget: Vec<Budget>,
+}
+
+/// A pass over a log.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Pass {
+    /// Logarithm of the posterior of what it found, up to a constant; nothing where that was not asked, or is beyond what a filter bears.
+    pub log_posterior: Option<f64>,
+    /// Whether what it found was kept.
+    pub kept: bool,
 }
 
 /// Whether a filter explains a log.
@@ -63,8 +100,14 @@ pub enum Verdict {
     Fits,
     /// They are larger than its model allows.
     DoesNotFit,
+    /// A further pass over the log finds something else: what was found rests on where the filter was linearised.
+    PassesDisagree,
+    /// A parameter departs further from what was believed before than can be believed.
+    BeyondPrior(&'static str),
     /// Most readings of one kind contradict it.
     Contradicted(&'static str),
+    /// The unit's rests contradict the site or the units of the log, whatever the filter makes of it.
+    Site(SiteFault),
     /// It moves the unit where that is taken to stand still: at a fixed point, or in a rest.
     Elsewhere,
     /// The reference is a fixed point or the rests of the unit, which have no noise: a sound filter's innovations are a small part of what is stated, and what a
@@ -86,14 +129,27 @@ impl Verdict {
 
     /// Whether the log says that they may not.
     pub fn contradicts(self) -> bool {
-        matches!(self, Self::DoesNotFit | Self::Contradicted(_) | Self::Elsewhere)
+        matches!(
+            self,
+            Self::DoesNotFit
+                | Self::PassesDisagree
+                | Self::BeyondPrior(_)
+                | Self::Contradicted(_)
+                | Self::Site(_)
+                | Self::Elsewhere
+        )
     }
 
     /// The verdict in one word, as files have it: a log either speaks for a filter, or against it, or has no power to judge.
     pub fn name(self) -> &'static str {
         match self {
             Self::Fits => "fits",
-            Self::DoesNotFit | Self::Contradicted(_) | Self::Elsewhere => "does-not-fit",
+            Self::PassesDisagree => "passes-disagree",
+            Self::DoesNotFit
+            | Self::BeyondPrior(_)
+            | Self::Contradicted(_)
+            | Self::Site(_)
+            | Self::Elsewhere => "does-not-fit",
             Self::FixedPoint | Self::Quiet | Self::TooFew | Self::Nothing => "no-power",
         }
     }
@@ -112,6 +168,12 @@ pub struct Evidence {
     pub contradicted: Option<&'static str>,
     /// Whether the reference is a point that never moves, which nobody has read.
     pub fixed_point: bool,
+    /// By how many standard deviations another pass would move what moves most, where that was asked.
+    pub moved: Option<f64>,
+    /// The block of which a parameter lies further from its prior than can be believed.
+    pub beyond: Option<&'static str>,
+    /// What the rests of the unit contradict.
+    pub site: Option<SiteFault>,
 }
 
 /// The verdict on a run.
@@ -119,17 +181,24 @@ pub struct Evidence {
 /// The normalised innovations judge a filter only where they can be as large as stated: with readings of a reference whose noise is
 /// stated right they are 1 on average, and grow with what the filter lacks. Below that they have no power either way.
 pub fn judge(evidence: &Evidence) -> Verdict {
-    let Evidence { updates, nis_per_dof, rejected, contradicted, fixed_point } = *evidence;
-    if fixed_point && (rejected > 0 || contradicted.is_some()) {
+    let Evidence { updates, nis_per_dof, rejected, contradicted, fixed_point, moved, beyond, site } =
+        *evidence;
+    if let Some(fault) = site {
+        Verdict::Site(fault)
+    } else if fixed_point && (rejected > 0 || contradicted.is_some()) {
         Verdict::Elsewhere
     } else if let Some(channel) = contradicted {
         Verdict::Contradicted(channel)
     } else if nis_per_dof.is_nan() {
         Verdict::Nothing
+    } else if moved.is_some_and(|moved| !(moved < AGREE)) {
+        Verdict::PassesDisagree
     } else if updates < FEWEST {
         Verdict::TooFew
     } else if nis_per_dof > FITS.1 {
         Verdict::DoesNotFit
+    } else if let Some(block) = beyond {
+        Verdict::BeyondPrior(block)
     } else if fixed_point {
         Verdict::FixedPoint
     } else if nis_per_dof < FITS.0 {
@@ -145,7 +214,14 @@ impl core::fmt::Display for Verdict {
             Self::Contradicted(channel) => {
                 return write!(f, "does not fit: most readings of {channel} contradict it");
             }
+            Self::Site(SiteFault::Latitude) => "does not fit: the rests of the unit show another latitude",
+            Self::Site(SiteFault::Gravity) => "does not fit: the rests of the unit show another gravity",
+            Self::Site(_) => "does not fit: the rests of the unit show another rate of the Earth",
             Self::TooFew => "cannot be judged by so few updates",
+            Self::BeyondPrior(block) => {
+                return write!(f, "does not fit: {block} lies beyond {BEYOND:.0} sigmas of its prior");
+            }
+            Self::PassesDisagree => "cannot be believed: a further pass over the log finds something else",
             Self::DoesNotFit => "does not fit: the residuals are larger than its model allows",
             Self::Elsewhere => "does not fit: it moves the unit where that is taken to stand still",
             Self::FixedPoint => {
@@ -169,7 +245,23 @@ impl Outcome {
             rejected: self.statistics.rejected,
             contradicted: self.contradicted(),
             fixed_point: self.look.is_fixed_point(),
+            moved: self.moved,
+            beyond: self.beyond(),
+            site: self.site_fault,
         })
+    }
+
+    /// The block of the first parameter that lies further from its prior than can be believed.
+    fn beyond(&self) -> Option<&'static str> {
+        let departed = self.parameters.iter().zip(&self.departures);
+        let mut departed = departed.filter(|(parameter, by)| parameter.estimated && by.abs() > BEYOND);
+        departed.next().map(|(parameter, _)| parameter.info.block)
+    }
+
+    /// What was believed of a parameter before the run, SI: a first guess or a coarse calibration, or zero.
+    pub(crate) fn prior_mean(&self, parameter: usize) -> f64 {
+        let Parameter { value, prior_sigma, .. } = &self.parameters[parameter];
+        value - self.departures[parameter] * prior_sigma
     }
 
     /// Share of the readings of the reference that were left out as far off.
@@ -206,6 +298,14 @@ impl Outcome {
         self.parameters.iter().map(named).collect()
     }
 
+    /// Between which values a parameter went that changes in the course of a run, as the bias of a sensor does that wanders: from when it
+    /// converged, in the estimates of the last pass. `changes` says which blocks do.
+    pub fn range(&self, parameter: usize, changes: impl Fn(&str) -> bool) -> Option<(f64, f64)> {
+        let known = &self.parameters[parameter];
+        let wanted = known.estimated && changes(known.info.block);
+        self.history.range(parameter, self.start).filter(|_| wanted)
+    }
+
     /// When a parameter's sigma came within twice the final one for good, s after the start of the log.
     pub fn converged(&self, parameter: usize) -> Option<f64> {
         self.history.converged(parameter, self.start)
@@ -216,8 +316,16 @@ impl Outcome {
 mod tests {
     use super::*;
 
-    const SOUND: Evidence =
-        Evidence { updates: 1000, nis_per_dof: 1.0, rejected: 0, contradicted: None, fixed_point: false };
+    const SOUND: Evidence = Evidence {
+        updates: 1000,
+        nis_per_dof: 1.0,
+        rejected: 0,
+        contradicted: None,
+        fixed_point: false,
+        moved: Some(0.1),
+        beyond: None,
+        site: None,
+    };
 
     #[test]
     fn readings_speak_for_a_filter_and_against_it() {
@@ -236,6 +344,19 @@ mod tests {
         let most = judge(&Evidence { contradicted: Some("velocity"), ..SOUND });
         assert!(most.contradicts() && most.to_string().contains("most readings of velocity contradict it"));
         assert_eq!(judge(&Evidence { updates: 9, ..SOUND }).name(), "no-power");
+    }
+
+    #[test]
+    fn what_the_next_pass_moves_or_no_prior_allows_does_not_fit() {
+        let moves = judge(&Evidence { moved: Some(3.1), ..SOUND });
+        assert!(moves.contradicts() && moves.name() == "passes-disagree");
+        assert_eq!(judge(&Evidence { moved: Some(f64::NAN), ..SOUND }), Verdict::PassesDisagree);
+        assert_eq!(judge(&Evidence { moved: None, ..SOUND }), Verdict::Fits);
+        let elsewhere = judge(&Evidence { site: Some(SiteFault::Latitude), ..SOUND });
+        assert!(elsewhere.contradicts() && elsewhere.to_string().contains("another latitude"));
+        let beyond = judge(&Evidence { beyond: Some("accel-scale"), ..SOUND });
+        assert_eq!(beyond.to_string(), "does not fit: accel-scale lies beyond 5 sigmas of its prior");
+        assert_eq!(beyond.name(), "does-not-fit");
     }
 
     #[test]

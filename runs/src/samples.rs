@@ -2,7 +2,7 @@
 
 use core::ops::ControlFlow;
 
-use sinscal::Sample;
+use sinscal::{Sample, Setup, SiteRests, SiteShown};
 
 /// Why samples could not be read.
 pub type ReadError = Box<dyn std::error::Error + Send + Sync>;
@@ -64,6 +64,20 @@ impl Extent {
         self.last = time;
         self.samples += 1;
     }
+}
+
+/// Reads samples for what rests in them show of the site; nothing where the gyros do not feel the Earth, or the unit rests in too few
+/// positions.
+///
+/// # Errors
+/// When a sample cannot be read.
+pub fn site_shown(samples: &dyn Samples, setup: &Setup) -> Result<Option<SiteShown>, ReadError> {
+    let Some(mut rests) = SiteRests::new(setup.rate, setup.noise) else { return Ok(None) };
+    each::<ReadError>(samples, |sample| {
+        rests.push(sample);
+        Ok(())
+    })?;
+    Ok(rests.finish(&setup.site))
 }
 
 /// Reads samples for nothing but their times.

@@ -5,7 +5,7 @@ use core::ops::Range;
 use calib_core::{
     Array, CoreVector, Filter, Form, Relaxation, Residuals, Shape, Transition, measurement_rows,
 };
-use sinscal::{Event, Gate, Observer, Point, Signals, Strapdown};
+use sinscal::{Event, Gate, Observer, Point, Signals, Statistics, Strapdown};
 
 use crate::channels::Channels;
 use crate::compiled::Selection;
@@ -16,6 +16,10 @@ pub(crate) const CORE: usize = 9;
 /// Is told a pass in which the parameters are taken as known: how the leading states move, and what is measured. Columns are the
 /// leading states, then the parameters that take part, in the order of the selection.
 pub trait Trace {
+    /// The pass begins.
+    fn begin(&mut self, begun: &Traced) {
+        let _ = begun;
+    }
     /// The leading states moved over an interval.
     fn moved(&mut self, step: &Moved);
     /// These were added to the variances of the leading states.
@@ -62,11 +66,13 @@ pub struct Row {
     pub r: f64,
 }
 
-/// What a traced pass began with.
+/// What a traced pass began with, and what came of it.
 #[derive(Clone, Debug)]
 pub struct Traced {
     /// How the readings of the reference were spread.
     pub gate: Gate,
+    /// Sums over its updates.
+    pub statistics: Statistics,
     /// Prior standard deviations of the leading states.
     pub start: [f64; CORE],
     /// Parameters that are not constant, by their place in the selection.
@@ -75,19 +81,41 @@ pub struct Traced {
     pub channels: Vec<String>,
 }
 
+impl<T: Trace + ?Sized> Trace for &mut T {
+    fn begin(&mut self, begun: &Traced) {
+        (**self).begin(begun);
+    }
+
+    fn moved(&mut self, step: &Moved) {
+        (**self).moved(step);
+    }
+
+    fn widened(&mut self, variances: &[f64; CORE]) {
+        (**self).widened(variances);
+    }
+
+    fn measured(&mut self, measured: &Measured) {
+        (**self).measured(measured);
+    }
+
+    fn fed_back(&mut self, correction: &[f64; CORE]) {
+        (**self).fed_back(correction);
+    }
+}
+
 /// Tells a pass of filter `F`.
-pub(crate) struct Tracer<'a, F> {
-    selection: &'a Selection,
-    to: &'a mut dyn Trace,
+pub(crate) struct Tracer<F, T> {
+    selection: Selection,
+    pub(crate) to: T,
     rows: Vec<Row>,
     channels: Channels,
     of: core::marker::PhantomData<fn() -> F>,
 }
 
-impl<'a, F: Filter<Dynamics = Strapdown>> Tracer<'a, F> {
-    pub(crate) fn new(selection: &'a Selection, to: &'a mut dyn Trace) -> Self {
+impl<F: Filter<Dynamics = Strapdown>, T: Trace> Tracer<F, T> {
+    pub(crate) fn new(selection: &Selection, to: T) -> Self {
         Self {
-            selection,
+            selection: selection.clone(),
             to,
             rows: Vec::new(),
             channels: Channels::of(F::MEASURES),
@@ -150,7 +178,7 @@ fn leading(of: &[f64]) -> [f64; CORE] {
     core::array::from_fn(|i| of[i])
 }
 
-impl<F: Filter<Dynamics = Strapdown>> Observer<F> for Tracer<'_, F> {
+impl<F: Filter<Dynamics = Strapdown>, T: Trace> Observer<F> for Tracer<F, T> {
     fn observe<C: Form>(&mut self, event: Event<'_, F, C>) {
         match event {
             Event::Predicted { transition, density } => self.moved(transition, density),

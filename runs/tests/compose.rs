@@ -94,3 +94,15 @@ fn what_does_not_go_together_is_refused_by_name() {
     assert_eq!(refused("36d-p", &[], &["attitude"]), "36d-p has no `attitude` that could be left out");
     assert_eq!(refused("36d-p", &["acel-delay"], &[]), "there is no effect called acel-delay");
 }
+
+/// What joins at run time is told apart by type: objects without size may stand at one address.
+#[test]
+fn compositions_of_other_blocks_are_others() -> Result<(), Box<dyn std::error::Error>> {
+    let vocabulary = Vocabulary::standard();
+    for name in ["gyro-bias-wander", "accel-bias-wander", "gyro-bias-random-walk", "accel-bias-random-walk"] {
+        let filter = vocabulary.composed("36d-p", &[name], &[])?;
+        let joined = format!("{:?}", filter.compiled().1.open);
+        assert_eq!(joined, format!("[[{name:?}]]"));
+    }
+    Ok(())
+}

@@ -7,6 +7,7 @@
 //!
 //! This crate does no input or output.
 
+pub mod compare;
 mod map;
 mod plan;
 pub mod statistics;

@@ -4,7 +4,7 @@ use core::ops::ControlFlow;
 
 use nalgebra::{DMatrix, DVector};
 use rig::{Simulation, Truth};
-use runs::{AnyFilter, Calibrated, Flight, Options, Outcome, ReadError, Samples, calibrate_all, navigate};
+use runs::{Calibrated, Flight, Options, Outcome, ReadError, Samples, calibrate_all, navigate, wandering};
 use serde::{Deserialize, Serialize};
 use sinscal::Sample;
 
@@ -107,16 +107,17 @@ impl Plan {
     /// As there.
     pub fn unit_traced(&self, unit: u64) -> Result<Traced, Trouble> {
         let trouble = |error| Trouble::Run { unit, error };
-        let simulation = Simulation::new(&self.scenario, unit)?;
+        let mut simulation = Simulation::new(&self.scenario, unit)?;
         let description = simulation.description().clone();
-        let truth = simulation.truth().clone();
         // several passes: kept rather than made again
-        let samples: Vec<Sample> = simulation.collect();
-        let filters: Vec<&dyn AnyFilter> = self.filters.iter().map(|filter| &**filter).collect();
+        let samples: Vec<Sample> = simulation.by_ref().collect();
+        let truth = simulation.truth().clone();
         let mut outcomes = Vec::new();
-        for filter in &filters {
-            let options = Options { passes: self.passes, history_step: LOOK, ..Options::of(*filter) };
-            let mut outcome = calibrate_all(&[*filter], &samples, &description.setup(&[]), &options, &mut ())
+        for filter in &self.filters {
+            let wandering = wandering(filter, &description.wander).map_err(|e| trouble(e.into()))?;
+            let filter = &*wandering;
+            let options = Options { passes: self.passes, history_step: LOOK, ..Options::of(filter) };
+            let mut outcome = calibrate_all(&[filter], &samples, &description.setup(&[]), &options, &mut ())
                 .map_err(trouble)?;
             outcomes.append(&mut outcome);
         }

@@ -1,0 +1,80 @@
+//! What a standard deviation is made of.
+
+use crate::Outcome;
+
+/// The uncertainty budget of a parameter: standard uncertainties, SI, whose root sum of squares is the parameter's sigma.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Budget {
+    /// Place of the parameter in the outcome.
+    pub parameter: usize,
+    /// White noise of sensors and reference, and what was known before.
+    pub noise: f64,
+    /// The biases' wander, where the filter has it.
+    pub wander: f64,
+    /// What each considered effect adds, in the order of the filter: its standard uncertainty times the sensitivity of the estimate.
+    pub influences: Vec<(&'static str, f64)>,
+    /// What another pass would move.
+    pub linearisation: f64,
+    /// Stretches of the log that differ by more than their noise allows.
+    pub repeatability: f64,
+    /// Degrees of freedom behind the noise, and behind the repeatability.
+    pub(crate) freedom: (f64, f64),
+}
+
+impl Budget {
+    /// Combined standard uncertainty.
+    pub fn combined(&self) -> f64 {
+        let own = [self.noise, self.wander, self.linearisation, self.repeatability];
+        let influences = self.influences.iter().map(|(_, part)| *part);
+        own.into_iter().chain(influences).fold(0.0, f64::hypot)
+    }
+
+    /// Effective degrees of freedom by Welch and Satterthwaite (JCGM 100:2008, G.4.1): those of the noise and of the repeatability; what is
+    /// stated, not observed, has as many as one likes.
+    pub fn degrees_of_freedom(&self) -> f64 {
+        let term = |part: f64, freedom: f64| if part > 0.0 { part.powi(4) / freedom } else { 0.0 };
+        self.combined().powi(4)
+            / (term(self.noise, self.freedom.0) + term(self.repeatability, self.freedom.1))
+    }
+
+    /// The largest of the influences.
+    pub fn largest(&self) -> Option<(&'static str, f64)> {
+        self.influences.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a })
+    }
+}
+
+/// The budget of each parameter that is not considered, of a pass of a filter that considers the blocks called `considered`.
+///
+/// A considered state keeps its prior, and errors of others depend on it linearly: with p its error and S their sensitivity, the
+/// covariance of both is `S var(p)`, and what p adds to the variance of the estimate is `S^2 var(p)`, the square of the covariance over the
+/// variance. The states of the priors are independent, so that their parts add up.
+pub(crate) fn budget(outcome: &Outcome, considered: &[&str]) -> Vec<Budget> {
+    let p = &outcome.covariance;
+    let is_considered = |i: usize| considered.contains(&outcome.parameters[i].info.block);
+    let all = 0..outcome.parameters.len();
+    let readings = outcome.statistics.degrees_of_freedom.saturating_sub(outcome.parameters.len());
+    all.clone()
+        .filter(|i| !is_considered(*i))
+        .map(|i| {
+            let mut influences: Vec<(&'static str, f64)> = Vec::new();
+            let mut rest = p[i][i];
+            for j in all.clone().filter(|j| is_considered(*j)) {
+                let part = if p[j][j] > 0.0 { p[i][j] * p[i][j] / p[j][j] } else { 0.0 };
+                rest -= part;
+                let name = outcome.parameters[j].info.block;
+                match influences.last_mut().filter(|(last, _)| *last == name) {
+                    Some((_, sum)) => *sum += part,
+                    None => influences.push((name, part)),
+                }
+            }
+            influences.iter_mut().for_each(|(_, part)| *part = part.sqrt());
+            Budget {
+                parameter: i,
+                noise: rest.max(0.0).sqrt(),
+                influences,
+                freedom: (readings.max(1) as f64, f64::INFINITY),
+                ..Budget::default()
+            }
+        })
+        .collect()
+}
