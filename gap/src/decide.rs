@@ -4,12 +4,12 @@ use crate::error::SceneError;
 use crate::name::{MARGIN, Search, Tried, search};
 use crate::noise::TRUSTED;
 use crate::open::Open;
-use crate::report::Verdict;
+use crate::partial::{absurd, dominant, remainder};
+use crate::report::{Remainder, Verdict};
+use crate::run::DELAY;
 use crate::scene::Scene;
-use crate::verify::{Verification, held_out, verify};
+use crate::verify::{CONFIRMED, Verification, held_out, verify};
 
-/// ln 20: an effect counts as confirmed when another stretch of data speaks for it by more than this.
-const CONFIRMED: f64 = 2.995_732_273_553_991;
 /// Where something remains unexplained, a named effect must outweigh it by this factor.
 const OUTWEIGHS: f64 = 5.0;
 /// ...and must carry this part of what the whole set gains.
@@ -36,8 +36,12 @@ pub(crate) struct Decision {
     pub(crate) correlates: Vec<usize>,
     /// What remains on top of the set, where something does.
     pub(crate) remains: Option<String>,
+    /// The same by its size, where effects are named all the same.
+    pub(crate) remainder: Option<Remainder>,
     /// Why it was not confirmed.
     pub(crate) reason: Option<String>,
+    /// Why the set that explains best of all is nothing to be named, and the members that are to blame.
+    pub(crate) degenerate: Option<(String, Vec<usize>)>,
     /// Effects that were taken out again because the other data did not speak for them.
     pub(crate) stripped: Vec<usize>,
 }
@@ -99,6 +103,7 @@ pub(crate) fn decide(
     second: Option<&Scene>,
     open: Option<&Open>,
     threshold: f64,
+    stated: &dyn Fn(&str) -> Option<f64>,
 ) -> Result<Decision, SceneError> {
     let among = first.excited();
     if is_chance(first, second, open, &among, threshold)? {
@@ -153,7 +158,7 @@ pub(crate) fn decide(
     let clean = best.is_adequate(threshold - MARGIN)
         && correlates.is_empty()
         && verification.as_ref().is_none_or(|v| !v.something_left);
-    let remains = remainder(first, open, &best, &correlates, clean);
+    let remains = named_remainder(first, open, &best, &correlates, clean);
     let mut decision = Decision {
         verdict: Verdict::EffectsFound,
         best,
@@ -162,10 +167,25 @@ pub(crate) fn decide(
         rivals,
         correlates,
         remains,
+        remainder: None,
         reason: None,
+        degenerate: None,
         stripped,
     };
-    judge(first, second, open, &mut decision, clean)?;
+    let is_strong = |decision: &Decision| {
+        outweighs(first, second, open, decision)
+            && absurd(&first.prices, &decision.best.groups, stated).is_none()
+    };
+    let mut strong = clean || is_strong(&decision);
+    if !strong {
+        decision.degenerate = absurd(&first.prices, &decision.best.groups, stated);
+        settle_for_part(first, second, open, &mut decision, &among, threshold, stated);
+        strong = is_strong(&decision);
+    }
+    judge(first, second, open, &mut decision, clean, strong)?;
+    if !clean && decision.verdict == Verdict::EffectsFound {
+        decision.remainder = Some(remainder(first, open, &decision.best.groups, &among));
+    }
     Ok(decision)
 }
 
@@ -218,7 +238,9 @@ fn nothing_named(first: &Scene, mut found: Search, loud: Vec<(usize, crate::pric
         rivals: Vec::new(),
         correlates: loud.iter().map(|l| l.0).take(5).collect(),
         remains: None,
+        remainder: None,
         reason,
+        degenerate: None,
         stripped: Vec::new(),
     }
 }
@@ -259,7 +281,10 @@ fn strip(
                 best.gain - first.prices.gain(&others)
             })
             .collect();
-        let is_trace = |i: usize| gains[i] < TRACE * best.gain;
+        // what is said of a delay that was taken out beforehand is no measure for the rest
+        let out = |i: &usize| first.survey.late.0 != 0 && first.prices.groups[best.groups[*i]].name == DELAY;
+        let beforehand: f64 = (0..gains.len()).filter(out).map(|i| gains[i]).sum();
+        let is_trace = |i: usize| gains[i] < TRACE * (best.gain - beforehand);
         let weak = (0..best.groups.len())
             .filter(|i| each[*i] < CONFIRMED || is_trace(*i) || !adequate && gains[*i] < SHARE * best.gain)
             .min_by(|a, b| gains[*a].total_cmp(&gains[*b]));
@@ -277,7 +302,7 @@ fn strip(
 }
 
 /// What is most significant on top of the set, by name.
-fn remainder(
+fn named_remainder(
     first: &Scene,
     open: Option<&Open>,
     best: &Tried,
@@ -302,7 +327,34 @@ fn remainder(
     }
 }
 
-fn with(groups: &[usize], g: usize) -> Vec<usize> {
+/// Where no set explains all: takes what dominates instead, if there is such a thing.
+fn settle_for_part(
+    first: &Scene,
+    second: Option<&Scene>,
+    open: Option<&Open>,
+    decision: &mut Decision,
+    among: &[usize],
+    threshold: f64,
+    stated: &dyn Fn(&str) -> Option<f64>,
+) {
+    let Some(groups) = dominant(first, second, open, among, stated) else { return };
+    let tried = Tried::new(&first.prices, groups, among);
+    decision.stripped.extend(decision.best.groups.iter().copied().filter(|g| !tried.groups.contains(g)));
+    decision.stripped.retain(|g| !tried.groups.contains(g));
+    decision.verification = second.and_then(|s| verify(first, s, &tried.groups, threshold));
+    decision.each = match &decision.verification {
+        Some(v) => v.each.clone(),
+        None => held_out(first, &tried.groups).1,
+    };
+    let loud = open.map_or(Vec::new(), |o| o.loud(&tried.groups));
+    decision.correlates = loud.iter().map(|l| l.0).take(5).collect();
+    decision.remains = named_remainder(first, open, &tried, &decision.correlates, false);
+    // whatever explains as much was looked for among all sets of this size
+    decision.rivals.clear();
+    decision.best = tried;
+}
+
+pub(crate) fn with(groups: &[usize], g: usize) -> Vec<usize> {
     let mut all = groups.to_vec();
     all.push(g);
     all
@@ -315,25 +367,27 @@ fn judge(
     open: Option<&Open>,
     decision: &mut Decision,
     clean: bool,
+    strong: bool,
 ) -> Result<(), SceneError> {
     let best = &decision.best;
-    if !clean {
-        let strong = outweighs(first, second, open, decision);
-        if !strong {
-            let inside = decision.correlates.is_empty();
-            decision.verdict = if inside { Verdict::NotConfirmed } else { Verdict::OutsideLibrary };
-            decision.reason = Some(
-                "something significant remains on top of every set of known effects that was tried".into(),
-            );
-            return Ok(());
-        }
+    if !strong {
+        let inside = decision.correlates.is_empty();
+        decision.verdict = if inside { Verdict::NotConfirmed } else { Verdict::OutsideLibrary };
+        decision.reason =
+            Some("something significant remains on top of every set of known effects that was tried".into());
+        return Ok(());
     }
     let families = unresolved(second, open, decision)?;
     if let (Some(open), Some((family, ahead))) = (open, families.first()) {
         let name = &open.prices.groups[*family].name;
         decision.reason = Some(format!("{name}, which is no known effect, explains the data as well"));
         decision.correlates = families.iter().map(|f| f.0).collect();
-        decision.verdict = if *ahead > MARGIN { Verdict::OutsideLibrary } else { Verdict::Ambiguous };
+        decision.verdict = match (*ahead > MARGIN, decision.rivals.is_empty()) {
+            (true, _) => Verdict::OutsideLibrary,
+            // one set is no choice between sets
+            (false, true) => Verdict::NotConfirmed,
+            (false, false) => Verdict::Ambiguous,
+        };
         return Ok(());
     }
     if !decision.rivals.is_empty() {

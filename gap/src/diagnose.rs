@@ -1,20 +1,23 @@
 //! The whole workflow.
 
+use nalgebra::{DMatrix, DVector};
 use runs::AnyFilter;
-use sinscal::{AnyEffect, Setup};
+use sinscal::{AnyEffect, EffectInfo, Setup};
 
 use crate::decide::{Decision, decide, withheld};
 use crate::declaration::declaration;
-use crate::error::{Error, FIRST, SECOND};
+use crate::error::{Error, FIRST, SECOND, SceneError};
 use crate::excite::indistinguishable;
+use crate::laws::review;
 use crate::linear::Noise;
 use crate::locate::{locate, locate_family};
 use crate::log::{Log, Survey};
 use crate::open::Open;
 use crate::parallel::both;
+use crate::partial::scattered;
 use crate::report::{Diagnosis, FoundEffect, NoiseScale, Rival, Verdict};
 use crate::rerun::rerun;
-use crate::run::{Machine, Runs};
+use crate::run::{DELAY, Machine, Runs};
 use crate::scene::{EXCITED, Scene};
 use crate::white::whiteness;
 use crate::{say, threshold};
@@ -84,7 +87,10 @@ fn workflow(
         || Scene::new(machine, log, &here),
     );
     let first = first.map_err(|e| Error::of(FIRST, e))?;
-    let second = second.transpose().map_err(|e| Error::of(SECOND, e))?;
+    let (second, unusable) = usable(second)?;
+    let verify = verify.filter(|_| second.is_some());
+    // nor may what stands in it keep a name from the first
+    let there = there.filter(|_| second.is_some());
     progress("pricing what is in no library", 0.45);
     let rate = options.false_alarms / 2.0;
     let (open, limit) = both(
@@ -93,13 +99,22 @@ fn workflow(
     );
     let open = open.map_err(|e| Error::of(FIRST, e))?;
     progress("naming and verifying", 0.6);
-    let decision = decide(&first, second.as_ref(), open.as_ref(), limit).map_err(|e| Error::of(SECOND, e))?;
+    let mut decision = decide(&first, second.as_ref(), open.as_ref(), limit, &|name| {
+        log.setup.priors.iter().find(|prior| prior.0 == name && prior.0 != DELAY).map(|prior| prior.1)
+    })
+    .map_err(|e| Error::of(SECOND, e))?;
     let saturated = here.look.saturated().or_else(|| there.and_then(|there| there.look.saturated()));
-    let decision = match saturated {
-        Some(saturated) => withheld(&first, format!("the {saturated}")),
-        None => decision,
-    };
+    let mut laws = Vec::new();
+    match saturated {
+        Some(saturated) => decision = withheld(&first, format!("the {saturated}")),
+        None => {
+            progress("asking the neighbours", 0.65);
+            let kind = |name: &str| machine.entry(name).map(EffectInfo::kind);
+            laws = review(&first, second.as_ref(), open.as_ref(), &mut decision, &kind);
+        }
+    }
     let mut d = report(machine, &first, second.as_ref(), open.as_ref(), &decision);
+    d.laws = laws;
     if options.rerun && !decision.best.groups.is_empty() {
         progress("running the filter with what was found", 0.7);
         match rerun(machine, log, verify, (&first, second.as_ref()), &decision, &mut d) {
@@ -113,13 +128,38 @@ fn workflow(
             done => done?,
         }
     }
+    for (log, scene) in [("this log", Some(&first)), ("the second log", second.as_ref())] {
+        if let Some((rows, late)) = scene.map(|scene| scene.survey.late).filter(|late| late.0 != 0) {
+            d.notes.push(format!(
+                "in {log} reference and inertial sensors show the same motion {:.0} ms apart: the reference was taken {} rows {} before anything else; values of reference-delay are the whole delay",
+                1e3 * late.abs(),
+                rows.abs(),
+                if rows > 0 { "earlier" } else { "later" }
+            ));
+        }
+    }
     if same {
         d.notes.push("the second log is the first one again, and confirms nothing: it was left out".into());
     }
+    d.notes.extend(unusable);
     d.notes.extend(rarely.into_iter().flatten());
-    d.sentence = say::sentence(&d, decision.best.gain, decision.reason.as_deref(), same);
+    d.notes.splice(0..0, say::details(&d, decision.best.gain));
+    d.sentence = say::sentence(&d, decision.reason.as_deref(), same);
     progress("done", 1.0);
     Ok(d)
+}
+
+/// The second log, or why it was left out: what a filter cannot run over confirms nothing, and does not end the diagnosis of the
+/// first. A sample that cannot be read is a fault of the file, and stays an error.
+fn usable(second: Option<Result<Scene, SceneError>>) -> Result<(Option<Scene>, Option<String>), Error> {
+    match second.transpose() {
+        Ok(second) => Ok((second, None)),
+        Err(SceneError::Unreadable(source)) => Err(Error::of(SECOND, SceneError::Unreadable(source))),
+        Err(unusable) => {
+            let why = Error::of(SECOND, unusable);
+            Ok((None, Some(format!("the second log cannot be used, and was left out: {why}"))))
+        }
+    }
 }
 
 /// Whether the reference of a log is used more rarely than asked for.
@@ -166,7 +206,12 @@ fn report(
             indistinct.push(vec![pair.effect.clone(), pair.other.clone()]);
         }
     }
-    let next_run = pairs.iter().filter_map(|p| say::advice(&p.effect, &p.other)).collect();
+    let mut next_run: Vec<String> = pairs.iter().filter_map(|p| say::advice(&p.effect, &p.other)).collect();
+    if let Some((_, blamed)) = &decision.degenerate
+        && let [one, other] = names(blamed).as_slice()
+    {
+        next_run.extend(say::advice(one, other).filter(|advice| !next_run.contains(advice)));
+    }
     let (places, evidence) = match (open, decision.correlates.first()) {
         (Some(open), Some(family)) if decision.verdict == Verdict::OutsideLibrary => {
             locate_family(first, open, *family)
@@ -180,6 +225,8 @@ fn report(
         verdict: decision.verdict,
         sentence: String::new(),
         verified: confirmed && second.is_some(),
+        complete: decision.verdict == Verdict::NothingMissing || confirmed && decision.remainder.is_none(),
+        remainder: decision.remainder.clone(),
         base_filter: base.name,
         effects: Vec::new(),
         ambiguous,
@@ -188,6 +235,7 @@ fn report(
         correlates_with: open.map_or(Vec::new(), |o| {
             decision.correlates.iter().map(|g| o.prices.groups[*g].name.clone()).collect()
         }),
+        laws: Vec::new(),
         r#where: places,
         noise_scale: NoiseScale {
             gyro: first.noise.gyro,
@@ -204,7 +252,7 @@ fn report(
         next_run,
     };
     if confirmed {
-        effects(machine, first, second, decision, &mut d);
+        effects(machine, first, second, decision, scattered(first, best), &mut d);
     }
     notes(first, second, open, decision, &mut d);
     if let Some(white) = d.whiteness.filter(|w| w.log10_p_after < COLOURED) {
@@ -219,16 +267,17 @@ fn report(
     d
 }
 
-/// Values as priced; the re-run replaces them.
+/// Values as priced, with their covariance; the re-run replaces the values.
 fn effects(
     machine: &dyn Machine,
     first: &Scene,
     second: Option<&Scene>,
     decision: &Decision,
+    spread: Option<(DVector<f64>, DMatrix<f64>)>,
     d: &mut Diagnosis,
 ) {
     let best = &decision.best.groups;
-    let Some((mean, covariance)) = first.prices.posterior(best) else { return };
+    let Some((mean, covariance)) = spread else { return };
     let there = second.and_then(|s| {
         let mapped: Option<Vec<usize>> =
             best.iter().map(|g| s.prices.find(&first.prices.groups[*g].name)).collect();
@@ -306,6 +355,9 @@ fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
     if let Some(remains) = &decision.remains {
         note(format!("something remains on top of it; the largest part goes with {remains}"));
     }
+    if let Some((why, _)) = &decision.degenerate {
+        note(format!("what explains most of this log is not named: {why}"));
+    }
     for g in &decision.stripped {
         note(format!(
             "{} was tried on top and taken out again: it carries too little, or other data do not speak for it",
@@ -344,10 +396,9 @@ mod tests {
 
     use super::*;
     use crate::declaration::BaseFilter;
-    use crate::error::SceneError;
     use crate::run::{Ran, Size};
 
-    /// 36d-p, which diverges without help.
+    /// 36d-p, which diverges without help, and with too much of it.
     struct Fragile<'a>(Runs<'a>);
 
     impl Machine for Fragile<'_> {
@@ -364,6 +415,9 @@ mod tests {
         }
 
         fn run(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError> {
+            if size("accel-delay") > 2.0 {
+                return Err(SceneError::Diverged(Diverged { time: 123.0, channel: "velocity" }));
+            }
             self.0.run(log, noise, size)
         }
 
@@ -379,22 +433,67 @@ mod tests {
         }
     }
 
-    #[test]
-    fn what_was_found_stands_though_the_filter_without_it_diverges() {
+    /// A unit with a delay of its accelerometers that 36d-p lacks: samples and description.
+    fn delayed(machine: &dyn Machine) -> (rig::Description, Vec<Sample>) {
         let mut scenario = rig::Scenario::default().with_rate(20.0).unwrap();
-        let filter = Declared::<Sins36P>::new(2, "");
-        let machine = Fragile(Runs::new(&filter, CATALOGUE).unwrap());
         scenario.keep_effects(|name| machine.has(name) || name == "accel-delay");
         scenario.motion.still = 100.0;
         scenario.motion.dwell = 30.0;
         scenario.dither.mode = rig::DitherMode::Off;
         let simulation = rig::Simulation::new(&scenario, 5).unwrap();
         let description = simulation.description().clone();
-        let samples: Vec<Sample> = simulation.collect();
+        (description, simulation.collect())
+    }
+
+    #[test]
+    fn what_was_found_stands_though_the_filter_without_it_diverges() {
+        let filter = Declared::<Sins36P>::new(2, "");
+        let machine = Fragile(Runs::new(&filter, CATALOGUE).unwrap());
+        let (description, samples) = delayed(&machine);
         let setup = description.setup(&[]);
         let log = Log { samples: &samples, setup: &setup };
         let d = workflow(&machine, &log, None, &Options::default(), &mut |_, _| {}).unwrap();
         assert!(d.sentence.contains("accel-delay") && d.gap.is_none(), "{}", d.sentence);
         assert!(d.notes.iter().any(|n| n.contains("diverges at 321 s")), "{:?}", d.notes);
+    }
+
+    #[test]
+    fn a_prior_that_the_filter_does_not_survive_is_not_widened_to() {
+        let filter = Declared::<Sins36P>::new(2, "");
+        let machine = Fragile(Runs::new(&filter, CATALOGUE).unwrap());
+        let (description, samples) = delayed(&machine);
+        // the delay shows at five times this, and the machine lets none of more than twice this through
+        let setup = description.setup(&[("accel-delay", 1e-4)]);
+        let log = Log { samples: &samples, setup: &setup };
+        let scene = Scene::new(&machine, &log, &Survey::of(&log).unwrap()).unwrap();
+        assert_eq!(scene.wider.factor("accel-delay"), 1.0);
+        let delay = scene.prices.find("accel-delay").unwrap();
+        let value = scene.prices.posterior(&[delay]).unwrap().0[0];
+        assert!((value - 4.95e-4).abs() < 2e-4, "{value}");
+    }
+
+    #[test]
+    fn a_second_log_that_cannot_be_used_does_not_end_the_diagnosis_of_the_first() {
+        let filter = Declared::<Sins36P>::new(2, "");
+        let machine = Runs::new(&filter, CATALOGUE).unwrap();
+        let (description, samples) = delayed(&machine);
+        // too short to judge by
+        let short = samples[samples.len() / 2..][..200].to_vec();
+        let setup = description.setup(&[]);
+        let log = Log { samples: &samples, setup: &setup };
+        let second = Log { samples: &short, setup: &setup };
+        let options = Options { rerun: false, ..Options::default() };
+        let said = |verify| workflow(&machine, &log, verify, &options, &mut |_, _| {}).unwrap();
+        let (alone, with) = (said(None), said(Some(&second)));
+        assert_eq!((with.verdict, with.verified), (alone.verdict, false));
+        assert_eq!(with.sentence, alone.sentence);
+        let note = |n: &String| n.contains("second log cannot be used") && n.contains("too few");
+        assert!(with.notes.iter().any(note) && !alone.notes.iter().any(note), "{:?}", with.notes);
+    }
+
+    #[test]
+    fn a_second_log_that_cannot_be_read_is_an_error() {
+        let fault = usable(Some(Err(SceneError::Unreadable("three".into())))).err().unwrap();
+        assert!(fault.is_of_verification() && matches!(fault, Error::Unreadable { .. }));
     }
 }

@@ -7,15 +7,15 @@ use crate::recording::{CORE, Motion, Recording, Step};
 /// Faster than this the unit turns, rad/s.
 pub(crate) const TURNING: f64 = 0.01;
 /// Size of a family's effect before it is seen, as a fraction of the prior of the bias it changes.
-const SIZE: f64 = 0.05;
+pub(crate) const SIZE: f64 = 0.05;
 /// The same of a bias that is there for a stretch: what lasts a minute must be larger to show.
 const SIZE_OF_STRETCH: f64 = 0.5;
 
 /// What a family multiplies: the motion, the time and the time since the last rotation.
-struct Moment<'a> {
-    motion: &'a Motion,
-    time: f64,
-    since_rotation: Option<f64>,
+pub(crate) struct Moment<'a> {
+    pub(crate) motion: &'a Motion,
+    pub(crate) time: f64,
+    pub(crate) since_rotation: Option<f64>,
 }
 
 type Feature = fn(&Moment, usize, usize, usize) -> f64;
@@ -33,6 +33,10 @@ const BOTH: &[(&str, &str, Feature)] = &[
     ("omega_i f_i", "rad m/s^3", |m, i, _, _| m.motion.rate[i] * m.motion.force[i]),
     ("omega_i f_j", "rad m/s^3", |m, i, j, _| m.motion.rate[i] * m.motion.force[j]),
     ("omega_i f_k", "rad m/s^3", |m, i, _, k| m.motion.rate[i] * m.motion.force[k]),
+    ("|omega| f_i", "rad m/s^3", |m, i, _, _| m.motion.rate.norm() * m.motion.force[i]),
+    ("(T - T_ref) f_i^2", "K (m/s^2)^2", |m, i, _, _| m.motion.temperature[i] * m.motion.force[i].powi(2)),
+    ("(dT/dt)^2", "(K/s)^2", |m, i, _, _| m.motion.temperature_rate[i].powi(2)),
+    ("(T - T_ref)^3", "K^3", |m, i, _, _| m.motion.temperature[i].powi(3)),
     ("(T - T_ref)^2", "K^2", |m, i, _, _| m.motion.temperature[i].powi(2)),
     ("(T - T_ref) f_j", "K m/s^2", |m, i, j, _| m.motion.temperature[i] * m.motion.force[j]),
     ("(T - T_ref) f_k", "K m/s^2", |m, i, _, k| m.motion.temperature[i] * m.motion.force[k]),
@@ -120,6 +124,8 @@ pub(crate) struct Dictionary<'a> {
     pub(crate) rms: Vec<f64>,
     /// Recorded columns priced after all others.
     library: &'a [usize],
+    /// Whether the products of all columns are summed.
+    pub(crate) is_summed: bool,
 }
 
 impl<'a> Dictionary<'a> {
@@ -132,6 +138,7 @@ impl<'a> Dictionary<'a> {
             units: Vec::new(),
             rms: Vec::new(),
             library,
+            is_summed: true,
         }
     }
 
@@ -156,7 +163,7 @@ impl<'a> Dictionary<'a> {
         }
     }
 
-    fn push(&mut self, column: usize, value: Vec<f64>, sigma: f64, rms: f64) {
+    pub(crate) fn push(&mut self, column: usize, value: Vec<f64>, sigma: f64, rms: f64) {
         self.entries.push(Entry { column, value });
         self.sigma.push(sigma);
         self.rms.push(rms);
@@ -193,7 +200,7 @@ impl<'a> Dictionary<'a> {
 }
 
 /// A feature over the steps of a recording: the mean of both ends of each.
-fn along(recording: &Recording, feature: impl Fn(&Moment) -> f64) -> Vec<f64> {
+pub(crate) fn along(recording: &Recording, feature: impl Fn(&Moment) -> f64) -> Vec<f64> {
     let (start, _) = recording.span();
     let mut ended = None;
     let mut before = None;
@@ -217,6 +224,10 @@ fn along(recording: &Recording, feature: impl Fn(&Moment) -> f64) -> Vec<f64> {
 impl Priced for Dictionary<'_> {
     fn count(&self) -> usize {
         self.entries.len() + self.library.len()
+    }
+
+    fn is_summed(&self) -> bool {
+        self.is_summed
     }
 
     fn fill(&self, at: usize, step: &Step, width: usize, gamma: &mut [f64], direct: &mut [f64]) {

@@ -22,9 +22,8 @@ pub(crate) struct Pair {
 ///
 /// From one run in which base parameters are priced like candidates: the information of everything about everything.
 pub(crate) fn indistinguishable(scene: &Scene) -> Vec<Pair> {
-    let recording = &scene.ran.recording;
-    let base = recording.base();
-    let Some(everything) = information(recording, &scene.noise) else { return Vec::new() };
+    let base = scene.ran.recording.base();
+    let Some(everything) = Prices::sum(scene.parts()) else { return Vec::new() };
     let of_base = |g: usize| everything.groups[g].members.iter().all(|m| *m < base.len());
     let all = everything.all();
     let (own, candidates): (Vec<usize>, Vec<usize>) = all.into_iter().partition(|g| of_base(*g));
@@ -58,13 +57,30 @@ pub(crate) fn indistinguishable(scene: &Scene) -> Vec<Pair> {
     pairs
 }
 
-/// What a recording says of base parameters and candidates alike, base parameters first.
-pub(crate) fn information(recording: &Recording, noise: &Noise) -> Option<Prices> {
+/// The same from each of so many stretches of equal length; nothing where the run breaks down.
+pub(crate) fn parts(recording: &Recording, noise: &Noise, count: usize) -> Vec<Prices> {
     let mut priced = recording.base();
     priced.extend(recording.candidates());
-    let found = run(recording, &[], &Recorded(&priced), noise, &mut |_| {})?;
+    let nc = 1 + priced.len();
+    let (start, end) = recording.span();
+    let mut grams = vec![vec![0.0; nc * nc]; count];
+    let found = run(recording, &[], &Recorded(&priced), noise, &mut |whitened| {
+        let part = (whitened.step.time - start) / (end - start).max(f64::MIN_POSITIVE);
+        let gram = &mut grams[((part * count as f64) as usize).min(count - 1)];
+        for row in whitened.rows.chunks_exact(nc) {
+            for i in 0..nc {
+                for j in 0..nc {
+                    gram[i * nc + j] += row[i] * row[j];
+                }
+            }
+        }
+    });
+    if found.is_none() {
+        return Vec::new();
+    }
     let sigma: Vec<f64> = priced.iter().map(|c| recording.columns[*c].prior).collect();
-    Some(Prices::new(&found.gram, sigma, groups_of(&recording.columns, &priced)))
+    let groups = groups_of(&recording.columns, &priced);
+    grams.iter().map(|gram| Prices::new(gram, sigma.clone(), groups.clone())).collect()
 }
 
 /// The part of a group's information that is left in its worst direction, of those that show at all.

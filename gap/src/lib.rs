@@ -32,18 +32,20 @@ mod diagnose;
 mod dictionary;
 mod error;
 mod excite;
+mod laws;
 mod linear;
 mod locate;
 mod log;
 #[cfg(feature = "blind")]
 pub mod menu;
 mod name;
+mod neighbours;
 mod noise;
 mod open;
 mod parallel;
+mod partial;
 mod prices;
 mod pricing;
-mod products;
 mod random;
 mod recording;
 mod report;
@@ -52,6 +54,8 @@ mod run;
 mod say;
 mod scan;
 mod scene;
+mod shifted;
+mod terms;
 #[cfg(test)]
 mod tests;
 mod threshold;
@@ -66,5 +70,6 @@ pub use linear::Noise;
 pub use log::Log;
 pub use pricing::Pricing;
 pub use report::{
-    Diagnosis, Evidence, FoundEffect, Gap, Horizontal, LogGap, NoiseScale, Place, Rival, Verdict,
+    Diagnosis, Evidence, FoundEffect, Gap, Horizontal, Law, LogGap, NoiseScale, Place, Remainder, Rival,
+    Verdict,
 };

@@ -1,7 +1,7 @@
 //! Any filter about a recorded trajectory, and the price of every effect it lacks, in one linear run.
 
-use crate::products::{add_products, dot, multiply, subtract_outer, whiten};
 use crate::recording::{CORE, Recording, Step};
+use runs::products::{add_products, dot, multiply, subtract_outer, whiten};
 
 /// So many whitened rows are kept before their products are summed: the sums are many more than a cache holds.
 const AT_ONCE: usize = 48;
@@ -25,6 +25,10 @@ impl Noise {
 /// A column priced beside the filter: how an unmodelled unit constant enters each step.
 pub(crate) trait Priced {
     fn count(&self) -> usize;
+    /// Whether the products of all columns are summed; where not, who watches sums those that matter.
+    fn is_summed(&self) -> bool {
+        true
+    }
     /// Effect on the leading states over step `at` (9 rows), and on its measurements.
     fn fill(&self, at: usize, step: &Step, width: usize, gamma: &mut [f64], direct: &mut [f64]);
 }
@@ -178,6 +182,7 @@ fn filter<const FUSED: bool>(
     let width = CORE + np + 1;
     let n = CORE + estimated.len();
     let nc = 1 + priced.count();
+    let is_summed = priced.is_summed();
     let mut is_estimated = vec![false; np];
     for &i in estimated {
         is_estimated[i] = true;
@@ -203,7 +208,7 @@ fn filter<const FUSED: bool>(
     let mut a = vec![0.0; CORE * n];
     let mut moved = vec![0.0; CORE * n];
     let mut gamma = vec![0.0; CORE * nc];
-    let mut gram = vec![0.0; nc * nc];
+    let mut gram = vec![0.0; if is_summed { nc * nc } else { 0 }];
     let mut rows = Vec::new();
     let mut log_likelihood = 0.0;
     let mut degrees_of_freedom = 0;
@@ -292,7 +297,9 @@ fn filter<const FUSED: bool>(
         degrees_of_freedom += ms;
         subtract_outer::<FUSED>(&yp, &yp, ms, n, n, &mut p);
         subtract_outer::<FUSED>(&yp, &y, ms, n, nc, &mut w);
-        rows.extend_from_slice(&y);
+        if is_summed {
+            rows.extend_from_slice(&y);
+        }
         if rows.len() >= AT_ONCE * nc {
             add_products::<FUSED>(&rows, nc, &mut gram);
             rows.clear();
@@ -300,8 +307,10 @@ fn filter<const FUSED: bool>(
         free.restart(step.time, &w, n, nc);
         watch(&Whitened { step, rows: &y });
     }
-    add_products::<FUSED>(&rows, nc, &mut gram);
-    for i in 0..nc {
+    if is_summed {
+        add_products::<FUSED>(&rows, nc, &mut gram);
+    }
+    for i in 0..if is_summed { nc } else { 0 } {
         for j in 0..i {
             gram[i * nc + j] = gram[j * nc + i];
         }

@@ -2,8 +2,10 @@
 
 use std::hash::{DefaultHasher, Hasher};
 
-use runs::{Look, ReadError, Samples, each};
+use runs::{Look, ReadError, Samples, Timing, each};
 use sinscal::{Reference, Sample, Setup};
+
+use crate::shifted::Shifted;
 
 /// A reference that stays within so many of its standard deviations does not move.
 const STILL: f64 = 10.0;
@@ -13,6 +15,9 @@ const MOST_UPDATES: f64 = 10_000.0;
 const JOINED_TIME: f64 = 0.5;
 /// ...and this angle, rad: what is between them is then as good as straight.
 const JOINED_ANGLE: f64 = 0.02;
+
+/// A delay of the reference beyond this is taken out before it is linearised, s.
+const LATE: f64 = 0.01;
 
 /// A log to be diagnosed: its samples, and the description that goes with them.
 #[derive(Clone, Copy)]
@@ -89,6 +94,8 @@ pub(crate) struct Survey {
     pub(crate) fixed: bool,
     /// What the samples say by themselves.
     pub(crate) look: Look,
+    /// By how much the reference is late, where that is too much to be linearised: in rows, and in s.
+    pub(crate) late: (i64, f64),
     /// Readings of the reference.
     readings: usize,
     /// The same for two logs that measured the same.
@@ -104,6 +111,7 @@ impl Survey {
             attitude: false,
             fixed: false,
             look: Look::default(),
+            late: (0, 0.0),
             readings: 0,
             digest: 0,
         }
@@ -116,17 +124,22 @@ impl Survey {
             attitude: false,
             fixed: true,
             look: Look::default(),
+            late: (0, 0.0),
             readings: 0,
             digest: 0,
         };
         let mut digest = DefaultHasher::new();
         let mut origin = None;
+        let mut timing = Timing::default();
+        let mut rows = 0_u64;
         log.try_each::<ReadError>(|s| {
             if survey.span.0.is_nan() {
                 survey.span.0 = s.time;
             }
             survey.span.1 = s.time;
             survey.look.push(s);
+            timing.push(s);
+            rows += 1;
             let reference = &s.reference;
             survey.attitude |= reference.attitude.is_some();
             let still = reference.velocity.is_none_or(|v| v.amax() < STILL * sigma.velocity);
@@ -143,12 +156,23 @@ impl Survey {
         })?;
         survey.fixed &= !survey.attitude;
         survey.digest = digest.finish();
+        let late = if survey.fixed { None } else { timing.late(log.setup) };
+        if let Some(late) = late.filter(|late| late.abs() > LATE) {
+            let interval = (survey.span.1 - survey.span.0) / rows.saturating_sub(1).max(1) as f64;
+            let by = (late / interval).round();
+            survey.late = (by as i64, by * interval);
+        }
         Ok(survey)
     }
 
     /// Whether two logs are one and the same.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         self.digest == other.digest
+    }
+
+    /// The samples with the reference at the time that it shows.
+    pub(crate) fn stamped<'a>(&self, log: &Log<'a>) -> Shifted<'a> {
+        Shifted { samples: log.samples, rows: self.late.0 }
     }
 
     /// The setup to diagnose `log` with: the reference is used more rarely than asked for where the log is so long that its

@@ -8,7 +8,7 @@ use sinscal::{AnyEffect, Sample};
 
 use crate::Error;
 use crate::error::SceneError;
-use crate::excite::information;
+use crate::excite::parts;
 use crate::linear::Noise;
 use crate::log::Log;
 use crate::parallel::both;
@@ -102,7 +102,7 @@ impl Menu {
             let ran = machine
                 .run(&Log { samples: &samples, setup: &setup }, &Noise::STATED, &|_| 1.0)
                 .map_err(broken)?;
-            let everything = information(&ran.recording, &Noise::STATED);
+            let everything = parts(&ran.recording, &Noise::STATED, 1).pop();
             Ok((*run, everything.ok_or(broken(SceneError::Indefinite))?, ran.recording.base().len()))
         };
         let (left, right) = MENU.split_at(MENU.len() / 2);

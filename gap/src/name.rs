@@ -87,7 +87,7 @@ pub(crate) fn search(prices: &Prices, among: &[usize], threshold: f64) -> Search
 }
 
 /// Every set of `from` with one more of `among`, each once, with its gain.
-fn grown(prices: &Prices, from: &[(f64, Vec<usize>)], among: &[usize]) -> Vec<(f64, Vec<usize>)> {
+pub(crate) fn grown(prices: &Prices, from: &[(f64, Vec<usize>)], among: &[usize]) -> Vec<(f64, Vec<usize>)> {
     let mut sets: Vec<Vec<usize>> = Vec::new();
     for (_, set) in from {
         for g in among.iter().filter(|g| !set.contains(g)) {

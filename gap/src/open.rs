@@ -219,6 +219,13 @@ impl Open {
         self.prices.likelihood(&[g], self.updates) - self.burst(g).map_or(0.0, |b| b.ln_chosen_from)
     }
 
+    /// The same of a family beside effects of the library.
+    pub(crate) fn likelihood_with(&self, g: usize, named: &[usize]) -> f64 {
+        let mut all = self.mapped(named);
+        all.push(g);
+        self.prices.likelihood(&all, self.updates)
+    }
+
     /// Groups of the library by the numbers they have in the scene.
     fn mapped(&self, named: &[usize]) -> Vec<usize> {
         named.iter().map(|g| g + self.families).collect()

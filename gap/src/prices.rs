@@ -48,6 +48,17 @@ impl Prices {
         Self { b, lambda, sigma, groups }
     }
 
+    /// Of all of several parts of a log.
+    pub(crate) fn sum(parts: &[Self]) -> Option<Self> {
+        let (first, rest) = parts.split_first()?;
+        let mut sum = first.clone();
+        for part in rest {
+            sum.b += &part.b;
+            sum.lambda += &part.lambda;
+        }
+        Some(sum)
+    }
+
     /// Prices of sums of columns, each of columns with equal priors, in `groups` of them.
     pub(crate) fn summed(&self, sums: &[Vec<usize>], groups: Vec<Group>) -> Self {
         let n = sums.len();

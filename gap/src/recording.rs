@@ -4,7 +4,7 @@ use calib_core::StateInfo;
 use nalgebra::Vector3;
 use runs::{Measured, Moved, Trace};
 
-use crate::products::{dot, multiply};
+use runs::products::{dot, multiply};
 
 /// Leading states of a strapdown filter: attitude, velocity, position.
 pub(crate) const CORE: usize = 9;
@@ -48,6 +48,8 @@ pub(crate) struct Motion {
     pub(crate) force: Vector3<f64>,
     pub(crate) temperature: Vector3<f64>,
     pub(crate) temperature_rate: Vector3<f64>,
+    pub(crate) gyro_temperature: Vector3<f64>,
+    pub(crate) gyro_temperature_rate: Vector3<f64>,
     pub(crate) dither: Vector3<f64>,
 }
 
@@ -255,6 +257,8 @@ impl Trace for Recorder {
                 force: signals.force,
                 temperature: signals.temperature,
                 temperature_rate: signals.temperature_rate,
+                gyro_temperature: signals.gyro_temperature,
+                gyro_temperature_rate: signals.gyro_temperature_rate,
                 dither: signals.dither,
             },
         };

@@ -139,6 +139,42 @@ pub struct Whiteness {
     pub log10_p_after: f64,
 }
 
+/// What remains on top of what was found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Remainder {
+    /// What it gains of all that is explained with it.
+    pub share: f64,
+    /// The most that any one effect or family of the dictionary gains on top of what was found.
+    pub log_likelihood: f64,
+    /// Those that gain at least half of that, the largest first: what it goes with.
+    pub families: Vec<String>,
+}
+
+/// Something in no library as an equation of what was measured: how it goes, and not why.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Law {
+    /// What it goes with, for instance `accel-bias-by-temperature-rate-squared`.
+    pub name: String,
+    /// In plain text; i is the sensor's own axis, j and k are the next two.
+    pub equation: String,
+    /// The axes.
+    pub components: Vec<String>,
+    /// Coefficients, SI.
+    pub estimate: Vec<f64>,
+    /// Their standard deviations, SI.
+    pub sigma: Vec<f64>,
+    /// Coefficients from the second log.
+    pub estimate_verify: Vec<f64>,
+    /// SI unit.
+    pub unit: String,
+    /// What it gains in log-likelihood on top of the known effects beside it.
+    pub log_likelihood_gain: f64,
+    /// Natural logarithm of its e-value on the second log.
+    pub log_e_verify: f64,
+    /// Laws of other forms that both logs cannot tell from it, the nearest first.
+    pub rivals: Vec<String>,
+}
+
 /// The gap on both logs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Gap {
@@ -166,6 +202,10 @@ pub struct Diagnosis {
     pub sentence: String,
     /// Whether a second log bears it out.
     pub verified: bool,
+    /// Whether nothing significant remains unexplained.
+    pub complete: bool,
+    /// What remains on top of what was found, where something does.
+    pub remainder: Option<Remainder>,
     /// The filter that was diagnosed.
     pub base_filter: String,
     /// The effects found and confirmed.
@@ -178,6 +218,8 @@ pub struct Diagnosis {
     pub indistinguishable: Vec<Vec<String>>,
     /// What the unexplained part goes with.
     pub correlates_with: Vec<String>,
+    /// Equations for what is in no library, each borne out by the second log.
+    pub laws: Vec<Law>,
     /// Where it shows, the strongest first.
     pub r#where: Vec<Place>,
     /// Noise fitted under the filter with every candidate.

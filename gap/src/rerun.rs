@@ -8,7 +8,7 @@ use crate::linear::{FreeRun, Noise, Recorded, run_free};
 use crate::log::Log;
 use crate::parallel::both;
 use crate::report::{Diagnosis, Gap, Horizontal, LogGap};
-use crate::run::{Machine, Ran};
+use crate::run::{DELAY, Machine, Ran};
 use crate::scene::Scene;
 
 /// Longest alignment before navigation, s; a short log gives a quarter of itself.
@@ -30,7 +30,13 @@ impl Pair {
     ) -> Result<Self, SceneError> {
         let before = machine.rerun(log, &Noise::STATED, &|_| 0.0)?;
         let size = |block: &str| added.iter().find(|a| a.0 == block).map_or(0.0, |a| a.1);
-        let after = machine.rerun(log, &Noise::STATED, &size)?;
+        let late = scene.survey.late;
+        let stamped = scene.survey.stamped(log);
+        let after = if late.0 != 0 && size(DELAY) > 0.0 {
+            machine.rerun(&Log { samples: &stamped, ..*log }, &Noise::STATED, &size)?.with_delay(late.1)
+        } else {
+            machine.rerun(log, &Noise::STATED, &size)?
+        };
         let (start, end) = before.recording.span();
         let horizon = ((end - start) / 40.0).min(60.0);
         let measure = |ran: &Ran| -> Result<(f64, f64, (f64, &'static str)), SceneError> {
@@ -50,7 +56,10 @@ impl Pair {
             rms_after: a.0,
             log_likelihood_before: b.1,
             log_likelihood_after: a.1,
-            log_likelihood_gain_priced: there.map_or(f64::NAN, |g| scene.prices.gain(&g)),
+            // no linear price holds over so long a delay
+            log_likelihood_gain_priced: there
+                .filter(|_| late.0 == 0)
+                .map_or(f64::NAN, |g| scene.prices.gain(&g)),
             free_run_before: b.2.0,
             free_run_after: a.2.0,
             free_run_of: b.2.1,

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 use runs::{About, AnyFilter, ComposeError, Composition, Options};
 use sinscal::navigation::Pilot;
-use sinscal::{AnyEffect, DitherSizeEffect, Effect, EffectInfo, Setup, StateInfo};
+use sinscal::{AnyEffect, DitherSizeEffect, Effect, EffectInfo, INFLUENCES, Setup, StateInfo};
 
 use crate::candidates::prior_factor;
 use crate::declaration::BaseFilter;
@@ -12,8 +12,8 @@ use crate::linear::{Found, Noise};
 use crate::log::Log;
 use crate::noise::price;
 use crate::prices::Prices;
-use crate::products::dot;
 use crate::recording::{CORE, Column, Recorder, Recording};
+use runs::products::dot;
 
 /// Estimates have settled that are within so many standard deviations of where the pass was linearised.
 const SETTLED: f64 = 1.0;
@@ -24,6 +24,8 @@ const SMALL: f64 = 2e-3;
 const SECOND_ORDER: f64 = 0.1;
 /// No more recorded passes than this.
 const PASSES: usize = 4;
+/// The effect that a delay of the reference is.
+pub(crate) const DELAY: &str = "reference-delay";
 /// Size of a specific force, m/s^2.
 const GRAVITY: f64 = 9.8;
 
@@ -36,6 +38,22 @@ pub(crate) struct Ran {
     pub(crate) prices: Prices,
     /// Estimate of every parameter under base and all candidates, truth.
     pub(crate) estimate: Vec<f64>,
+}
+
+impl Ran {
+    /// The same as it looks from stamps from which no delay of the reference was taken out: the pass was linearised about the whole
+    /// of it, and what it says of the delay is about the whole too.
+    pub(crate) fn with_delay(mut self, seconds: f64) -> Self {
+        let columns = self.recording.columns.iter_mut().zip(&mut self.estimate);
+        for (column, estimate) in columns.filter(|(column, _)| column.info.block == DELAY) {
+            column.about += seconds;
+            *estimate += seconds;
+            if column.base {
+                column.prior = column.prior.max(seconds.abs());
+            }
+        }
+        self
+    }
 }
 
 /// How many times larger than expected a block is taken to be; a candidate of size zero takes no part.
@@ -77,7 +95,11 @@ impl<'a> Runs<'a> {
             own.iter().any(|leaf| leaf.name == effect.name())
                 || effect.name() == DitherSizeEffect::EFFECT.name() && base.needs_dither()
         };
-        let effects: Vec<_> = effects.iter().copied().filter(|effect| !has(*effect)).collect();
+        // the column of a candidate is that of a constant, about which it does not depend on other estimates
+        let outside =
+            |effect: &'static dyn AnyEffect| effect.is_wander() || INFLUENCES.contains(&effect.name());
+        let priced = |effect: &&'static dyn AnyEffect| !has(*effect) && !outside(*effect);
+        let effects: Vec<_> = effects.iter().copied().filter(priced).collect();
         let all = Composition::with_states_for(base, &effects)?;
         Ok(Self { base, effects, all })
     }
@@ -87,8 +109,7 @@ impl<'a> Runs<'a> {
         let own = self.base.parameters().len();
         let parameters = self.all.parameters();
         let column = |(i, info): (usize, StateInfo)| {
-            let stated = log.setup.priors.iter().find(|(name, _)| *name == info.block);
-            let sigma = stated.map_or(info.prior_sigma, |(_, sigma)| *sigma);
+            let sigma = log.setup.prior(info.block).unwrap_or(info.prior_sigma);
             let prior = if i < own {
                 sigma
             } else {
@@ -115,11 +136,18 @@ impl<'a> Runs<'a> {
         everything.without_guess(log.setup, &mut about);
         let mut gate = found.gate;
         let mut passes = 0;
+        let mut last: Option<Ran> = None;
         loop {
             columns.iter_mut().zip(&about).for_each(|(column, about)| column.about = *about);
             let mut recorder = Recorder::new(columns.len());
-            let traced =
-                everything.trace(log.samples, log.setup, &About { values: &about, gate }, &mut recorder)?;
+            let about_these = About { values: &about, gate };
+            let traced = match everything.trace(log.samples, log.setup, &about_these, &mut recorder) {
+                // estimates that navigation does not survive are worse than those of the pass before
+                Err(runs::Error::Diverged { diverged, .. }) => {
+                    return last.ok_or(SceneError::Diverged(diverged));
+                }
+                traced => traced?,
+            };
             gate = traced.gate;
             passes += 1;
             let relaxing = traced.relaxing.iter().map(|(column, r)| (*column, r.rate, r.density)).collect();
@@ -130,7 +158,9 @@ impl<'a> Runs<'a> {
                 relaxing,
                 channels: traced.channels,
             };
-            let (found, prices) = price(&recording, noise).ok_or(SceneError::Indefinite)?;
+            let Some((found, prices)) = price(&recording, noise) else {
+                return last.ok_or(SceneError::Indefinite);
+            };
             let estimates = estimates(&recording, &found, &prices).ok_or(SceneError::Indefinite)?;
             let estimate: Vec<f64> = estimates.iter().map(|e| e.0).collect();
             let moves: Vec<f64> = columns.iter().zip(&estimate).map(|(column, e)| e - column.about).collect();
@@ -140,7 +170,8 @@ impl<'a> Runs<'a> {
             if moved < SETTLED || passes == 1 && is_small() || passes == PASSES {
                 return Ok(Ran { recording, log_likelihood: found.log_likelihood, prices, estimate });
             }
-            about = estimate;
+            about.clone_from(&estimate);
+            last = Some(Ran { recording, log_likelihood: found.log_likelihood, prices, estimate });
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::name::MARGIN;
-use crate::report::{Diagnosis, FoundEffect, Rival, Verdict};
+use crate::report::{Diagnosis, FoundEffect, Law, Rival, Verdict};
 
 /// Component `i` of an effect in the unit of data sheets, to two digits of its standard deviation, and that where it is asked for.
 fn value(found: &FoundEffect, i: usize, value: f64, spread: bool) -> String {
@@ -43,68 +43,138 @@ pub(crate) fn power(ln: f64) -> String {
     if log10.abs() < 4.0 { format!("{:.3}", ln.exp()) } else { format!("1e{log10:.0}") }
 }
 
-/// The verdict in a sentence; `same` says that the second log is the first one again.
-pub(crate) fn sentence(d: &Diagnosis, gain: f64, reason: Option<&str>, same: bool) -> String {
-    let because = reason.map_or(String::new(), |r| format!(": {r}"));
-    match d.verdict {
-        Verdict::NothingMissing => {
-            let mut text = format!("Nothing is missing from {}: no known effect", d.base_filter);
-            text += " and no combination of what was measured explains more than chance would.";
-            if !d.not_excited.is_empty() {
-                let _ = write!(text, " This path cannot show {}.", d.not_excited.join(", "));
-            }
-            text
+/// No verdict is longer than this; what else there is to say follows in notes.
+const LONGEST: usize = 240;
+
+/// The first of several ways to say it that is short enough, or the last one, cut.
+fn short(ways: impl IntoIterator<Item = String>) -> String {
+    let mut last = String::new();
+    for way in ways {
+        if way.chars().count() <= LONGEST {
+            return way;
         }
-        Verdict::EffectsFound => found(d, gain, same),
+        last = way;
+    }
+    last.chars().take(LONGEST - 3).collect::<String>() + "..."
+}
+
+/// The verdict in a line; `same` says that the second log is the first one again.
+pub(crate) fn sentence(d: &Diagnosis, reason: Option<&str>, same: bool) -> String {
+    let because = reason.map_or(String::new(), |r| format!(": {r}"));
+    let base = &d.base_filter;
+    let sets = |from: usize| d.ambiguous.iter().skip(from).map(|s| s.join(" + ")).collect::<Vec<_>>();
+    match d.verdict {
+        Verdict::NothingMissing => format!(
+            "Nothing is missing from {base}: no known effect and no combination of what was measured explains more than chance would."
+        ),
+        Verdict::EffectsFound => found(d, same),
         Verdict::OutsideLibrary => {
-            let with =
-                d.correlates_with.first().map_or(String::new(), |c| format!("; it correlates with {c}"));
-            format!(
-                "Something is missing from {}, and none of the known effects explains it{because}{with}.",
-                d.base_filter
-            )
+            let said = format!("Something is missing from {base}, and none of the known effects explains it");
+            let with = match (d.laws.first(), d.correlates_with.first()) {
+                (Some(law), _) => format!("; both logs follow {}", law.equation),
+                (None, Some(family)) => format!("; it goes with {family}"),
+                (None, None) => String::new(),
+            };
+            short([format!("{said}{because}{with}."), format!("{said}{with}."), format!("{said}.")])
         }
         Verdict::Ambiguous => {
-            let sets: Vec<String> = d.ambiguous.iter().map(|s| s.join(" + ")).collect();
-            let (verb, what) =
-                if sets.len() > 1 { ("explain", "equally well") } else { ("explains", "but not alone") };
-            format!(
-                "Something is missing from {}; {} {verb} it {what}{because}.",
-                d.base_filter,
-                sets.join(" or ")
-            )
+            let said = format!("Something is missing from {base}; ");
+            let all = sets(0);
+            let first = all.first().cloned().unwrap_or_default();
+            short([
+                format!("{said}{} explain it equally well{because}.", all.join(" or ")),
+                format!("{said}{} explain it equally well.", all.join(" or ")),
+                format!(
+                    "{said}{first} and {} other sets of effects explain it equally well.",
+                    all.len().max(1) - 1
+                ),
+            ])
         }
-        Verdict::NotConfirmed => match d.ambiguous.first() {
+        Verdict::NotConfirmed => match sets(0).first() {
             Some(set) => {
-                format!("{} would explain this log, but is not confirmed{because}.", set.join(" + "))
+                let said = format!("{set} would explain this log, but is not confirmed");
+                short([format!("{said}{because}."), format!("{said}.")])
             }
-            None => format!("Nothing can be said{because}."),
+            None => short([format!("Nothing can be said{because}.")]),
         },
     }
 }
 
-const ALONE: &str = "on the second half of the run (no second run was given)";
-const AGAIN: &str = "on the second half of the run (the second run is the first one again)";
+/// The values of an effect by themselves, as a verdict has them.
+fn values(found: &FoundEffect) -> String {
+    let number = |i: usize| value(found, i, found.estimate[i], false);
+    let plain: Vec<String> = (0..found.estimate.len())
+        .map(|i| number(i).split(' ').nth(2).unwrap_or_default().to_owned())
+        .collect();
+    match plain.as_slice() {
+        [one] => format!("{one} {}", found.sheet_unit),
+        all => format!("({}) {}", all.join(", "), found.sheet_unit),
+    }
+}
 
-fn found(d: &Diagnosis, gain: f64, same: bool) -> String {
-    let named: Vec<String> = d.effects.iter().map(describe).collect();
-    let mut text = format!("Missing: {}.", named.join("; and "));
-    let least = d.effects.iter().map(|e| e.log_e_verify).fold(f64::INFINITY, f64::min);
-    let (here, there) =
-        if d.verified { ("here", "on the second run") } else { ("here", if same { AGAIN } else { ALONE }) };
-    let _ = write!(
-        text,
-        " Log-likelihood gain {gain:.0} {here}, e-value {}{} {there}",
-        power(least),
-        if d.effects.len() > 1 { " or more for each" } else { "" }
-    );
+fn found(d: &Diagnosis, same: bool) -> String {
+    let least = power(d.effects.iter().map(|e| e.log_e_verify).fold(f64::INFINITY, f64::min));
+    let evidence = match (d.verified, same) {
+        (true, _) => format!("e-value {least} on the second run"),
+        (false, false) => format!("e-value {least} on the second half (no second run was given)"),
+        (false, true) => format!("e-value {least} on the second half (the second run is the first again)"),
+    };
+    let remains = d.remainder.as_ref().map_or(String::new(), |r| format!("; {} % remains", share(r.share)));
+    let named: Vec<&str> = d.effects.iter().map(|effect| effect.name.as_str()).collect();
+    let whole: Vec<String> = d.effects.iter().map(|e| format!("{} {}", e.name, values(e))).collect();
+    short([
+        format!("Missing: {}; {evidence}{remains}.", whole.join(", ")),
+        format!("Missing: {}; {evidence}{remains}.", named.join(", ")),
+        format!("Missing: {}.", named.join(", ")),
+    ])
+}
+
+/// A part in percent.
+fn share(part: f64) -> String {
+    let percent = 100.0 * part;
+    if percent < 1.0 { format!("{percent:.2}") } else { format!("{percent:.1}") }
+}
+
+/// What stands behind a verdict, in notes: equations and values, what was gained, what remains, and the nearest rival.
+pub(crate) fn details(d: &Diagnosis, gain: f64) -> Vec<String> {
+    let mut notes: Vec<String> = d.effects.iter().map(describe).collect();
+    notes.extend(d.laws.iter().map(law));
+    if d.effects.is_empty() {
+        return notes;
+    }
+    let all = if d.effects.len() > 1 { "what was found" } else { d.effects[0].name.as_str() };
+    let mut text = format!("{all} gains {gain:.0} in log-likelihood here");
+    if let Some(remainder) = &d.remainder {
+        let with =
+            remainder.families.first().map_or(String::new(), |family| format!(" and goes with {family}"));
+        let (explained, rest) = (share(1.0 - remainder.share), share(remainder.share));
+        let _ = write!(text, ", {explained} % of the gap; {rest} % remains unexplained{with}");
+    }
     let names = |name: &str| d.effects.iter().any(|e| e.name == name);
     let others = d.rivals.iter().filter(|r| !names(&r.name) && r.gain_alone > 1.0);
     if let Some(rival) = others.max_by(|a, b| a.gain_alone.total_cmp(&b.gain_alone)) {
-        let found = if d.effects.len() > 1 { "what was found" } else { d.effects[0].name.as_str() };
-        text += &nearest(rival, found);
+        text += &nearest(rival, all);
     }
-    text.push('.');
+    notes.push(text);
+    notes
+}
+
+/// A law with its coefficients, and what the logs cannot tell from it.
+fn law(law: &Law) -> String {
+    let coefficient =
+        |i: usize| format!("{} = {:.3e} +- {:.1e}", law.components[i], law.estimate[i], law.sigma[i]);
+    let all: Vec<String> = (0..law.estimate.len()).map(coefficient).collect();
+    let mut text = format!(
+        "as a law, and not as a cause: {}, {} ({}), which gains {:.0} in log-likelihood here and has the e-value {} on the second log",
+        law.equation,
+        all.join(", "),
+        law.unit,
+        law.log_likelihood_gain,
+        power(law.log_e_verify)
+    );
+    if !law.rivals.is_empty() {
+        let _ = write!(text, "; the logs cannot tell it from {}", law.rivals.join(" or "));
+    }
     text
 }
 
@@ -120,7 +190,7 @@ fn nearest(rival: &Rival, found: &str) -> String {
     } else {
         format!("it cannot stand for {found}, which gains {more} beside it; beside {found} it gains {less}")
     };
-    format!(". Nearest rival: {name}, which gains {gain_alone:.0} by itself; {judged}")
+    format!("; nearest rival: {name}, which gains {gain_alone:.0} by itself; {judged}")
 }
 
 /// What the next run should do so that two effects part.

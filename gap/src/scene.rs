@@ -1,11 +1,14 @@
 //! A log as the diagnosis sees it: run with everything in the filter, noise fitted, every effect priced.
 
+use std::sync::OnceLock;
+
 use crate::error::SceneError;
+use crate::excite::parts;
 use crate::linear::{Noise, Recorded, run};
 use crate::log::{Log, Survey};
 use crate::noise;
 use crate::prices::{BEYOND, Prices, groups_of};
-use crate::run::{Machine, Ran};
+use crate::run::{DELAY, Machine, Ran};
 
 /// Below so many standard deviations an effect of its prior's size does not show.
 pub(crate) const EXCITED: f64 = 3.0;
@@ -42,6 +45,9 @@ impl Wider {
     }
 }
 
+/// The scatter of the scores is judged between so many stretches, as that of a calibration is.
+const STRETCHES: usize = 32;
+
 /// Everything that the later stages ask of a log.
 pub(crate) struct Scene {
     pub(crate) ran: Ran,
@@ -54,26 +60,37 @@ pub(crate) struct Scene {
     pub(crate) prices: Prices,
     /// The same from the first half of the log alone.
     pub(crate) half: Prices,
+    /// What each of so many stretches of it says of base parameters and candidates alike, once somebody asks.
+    pub(crate) parts: OnceLock<Vec<Prices>>,
 }
 
 impl Scene {
     pub(crate) fn new(machine: &dyn Machine, log: &Log, survey: &Survey) -> Result<Self, SceneError> {
         // the Jacobian of a delay is the observed point's motion; of a fixed point that is nothing but noise
         let takes = |block: &str| match block {
-            "reference-delay" => !survey.fixed,
+            DELAY => !survey.fixed,
             "reference-misalignment" => survey.attitude,
             _ => true,
         };
         let mut wider = Wider::default();
-        let mut widened = 0;
-        let ran = loop {
+        let ran_with = |wider: &Wider| {
             let size = |block: &str| if takes(block) { wider.factor(block) } else { 0.0 };
-            let ran = machine.run(log, &Noise::STATED, &size)?;
-            if widened == WIDENINGS || !wider.widen(&ran) {
-                break ran;
-            }
-            widened += 1;
+            let stamped = survey.stamped(log);
+            let log = Log { samples: &stamped, ..*log };
+            machine.run(&log, &Noise::STATED, &size).map(|ran| ran.with_delay(survey.late.1))
         };
+        let mut ran = ran_with(&wider)?;
+        for _ in 0..WIDENINGS {
+            let mut more = wider.clone();
+            if !more.widen(&ran) {
+                break;
+            }
+            // a size that the filter does not survive is none to believe
+            match ran_with(&more) {
+                Err(SceneError::Diverged(_) | SceneError::Indefinite) => break,
+                again => (ran, wider) = (again?, more),
+            }
+        }
         if ran.recording.updates() < 100 {
             return Err(SceneError::TooShort { updates: ran.recording.updates() });
         }
@@ -82,14 +99,13 @@ impl Scene {
         let priced = recording.candidates();
         let sigma: Vec<f64> = priced.iter().map(|c| recording.columns()[*c].prior).collect();
         let nc = 1 + priced.len();
-        let middle = recording.updates() / 2;
         let mut half = vec![0.0; nc * nc];
         let mut at = 0;
         let found = run(recording, &recording.base(), &Recorded(&priced), &noise, &mut |whitened| {
-            if at < middle {
+            if 2 * at < recording.updates() {
                 for row in whitened.rows.chunks_exact(nc) {
                     for i in 0..nc {
-                        for j in 0..nc {
+                        for j in i..nc {
                             half[i * nc + j] += row[i] * row[j];
                         }
                     }
@@ -98,10 +114,20 @@ impl Scene {
             at += 1;
         })
         .ok_or(SceneError::Indefinite)?;
+        for i in 0..nc {
+            for j in 0..i {
+                half[i * nc + j] = half[j * nc + i];
+            }
+        }
         let groups = groups_of(recording.columns(), &priced);
         let prices = Prices::new(&found.gram, sigma.clone(), groups.clone());
         let half = Prices::new(&half, sigma, groups);
-        Ok(Self { ran, wider, survey: *survey, noise, noise_hides, prices, half })
+        Ok(Self { ran, wider, survey: *survey, noise, noise_hides, prices, half, parts: OnceLock::new() })
+    }
+
+    /// What each of the stretches says of base parameters and candidates alike.
+    pub(crate) fn parts(&self) -> &[Prices] {
+        self.parts.get_or_init(|| parts(&self.ran.recording, &self.noise, STRETCHES))
     }
 
     /// Groups that the path excites.

@@ -1,10 +1,12 @@
 //! Whether a second log bears out what the first one said.
 
-use nalgebra::Cholesky;
+use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::prices::{Prices, Score};
 use crate::scene::Scene;
 
+/// ln 20: an effect counts as confirmed when another stretch of data speaks for it by more than this.
+pub(crate) const CONFIRMED: f64 = 2.995_732_273_553_991;
 /// Covariances carried to another log are widened by this factor: a unit is not quite the same on another day.
 pub(crate) const WIDENED: f64 = 9.0;
 /// Estimates may differ by so many standard deviations per component...
@@ -48,7 +50,8 @@ pub(crate) fn verify(first: &Scene, second: &Scene, named: &[usize], threshold: 
         each.push(all - ln_e(&others)?);
     }
     let mapped = there(named)?;
-    let same = same_values(&first.prices, named, &second.prices, &mapped)?;
+    let same =
+        same_values(&first.prices, named, first.prices.posterior(named)?, second.prices.posterior(&mapped)?)?;
     let excited = second.excited();
     let left = second
         .prices
@@ -58,13 +61,16 @@ pub(crate) fn verify(first: &Scene, second: &Scene, named: &[usize], threshold: 
     Some(Verification { ln_e: all, each, same, left, something_left })
 }
 
-/// Whether each group has the same value in both, within error.
-fn same_values(first: &Prices, a: &[usize], second: &Prices, b: &[usize]) -> Option<Vec<bool>> {
-    let (mean_a, covariance_a) = first.posterior(a)?;
-    let (mean_b, covariance_b) = second.posterior(b)?;
+/// Whether each of `groups` has the same value in both of two logs, within error: estimates and their covariances.
+pub(crate) fn same_values(
+    first: &Prices,
+    groups: &[usize],
+    (mean_a, covariance_a): (DVector<f64>, DMatrix<f64>),
+    (mean_b, covariance_b): (DVector<f64>, DMatrix<f64>),
+) -> Option<Vec<bool>> {
     let mut at = 0;
     let mut same = Vec::new();
-    for g in a {
+    for g in groups {
         let n = first.groups[*g].members.len();
         let d = mean_a.rows(at, n) - mean_b.rows(at, n);
         let c = covariance_a.view((at, at), (n, n)) + covariance_b.view((at, at), (n, n));

@@ -20,7 +20,11 @@ fn a_delay_is_found_and_added() {
     let hidden = Hidden::Effects(vec!["accel-delay"], 80.0);
     let (d, grade) = diagnose(3, hidden, &Options { rerun: true, ..QUICK });
     assert_eq!(grade, Grade::Right, "{}", d.sentence);
-    assert!(d.verified && d.sentence.starts_with("Missing: accel-delay, d_f = -tau f_b'"), "{}", d.sentence);
+    assert!(d.verified && d.sentence.starts_with("Missing: accel-delay "), "{}", d.sentence);
+    assert!(
+        d.sentence.len() <= 240 && d.notes[0].starts_with("accel-delay, d_f = -tau f_b': tau = "),
+        "{d:?}"
+    );
     let effect = &d.effects[0];
     assert!((effect.estimate[0].abs() - 80.0 * 3.6e-6).abs() < 5.0 * effect.sigma[0]);
     // the closed loop gains what pricing said, and the gap shrinks on the log that was not used
@@ -80,6 +84,42 @@ fn what_is_in_no_library_gets_no_name() {
         "{:?}",
         d.correlates_with
     );
+}
+
+/// Hidden, and what the law for it is called.
+const LAWS: [(&str, &str); 3] = [
+    ("accelerometer bias by (T - T_ref) f_i^2", "accel-bias-by-temperature-times-force-i-squared"),
+    ("accelerometer bias by (dT/dt)^2", "accel-bias-by-temperature-rate-squared"),
+    ("accelerometer bias by |omega| f_i", "accel-bias-by-size-of-rate-times-force-i"),
+];
+
+#[test]
+fn what_resembles_a_known_effect_becomes_a_law_and_not_that_name() {
+    for (seed, (hidden, law)) in (31..).zip(LAWS) {
+        let (d, grade) = diagnose(seed, Hidden::Outside(hidden, 60.0), &QUICK);
+        assert_eq!(grade, Grade::Right, "{hidden}: {}", d.sentence);
+        let names: Vec<&str> = d.laws.iter().map(|law| law.name.as_str()).collect();
+        let rivals = d.laws.iter().flat_map(|law| &law.rivals);
+        assert!(names == [law] || rivals.clone().any(|rival| rival == law), "{hidden}: {:?}", d.laws);
+    }
+}
+
+/// One way and the other, at a third of that and at three times as much.
+#[test]
+#[ignore = "eighteen trials: run with --release -- --ignored --nocapture"]
+fn many_laws() {
+    let mut right = 0;
+    for (seed, (hidden, law)) in (41..).zip(LAWS.iter().cycle().take(18)) {
+        let strength = [20.0, 60.0, 200.0][(seed as usize - 41) / 6];
+        let (d, grade) = diagnose(seed, Hidden::Outside(hidden, strength), &QUICK);
+        let found: Vec<&str> = d.laws.iter().map(|law| law.name.as_str()).collect();
+        let is_right = found == [*law] || d.laws.iter().any(|found| found.rivals.iter().any(|r| r == law));
+        right += usize::from(is_right);
+        println!("{hidden} at {strength}: {grade:?}, laws {found:?}; {}", d.sentence);
+        assert_ne!(grade, Grade::Wrong, "{hidden}: {}", d.sentence);
+    }
+    println!("{right} of 18 laws are the right one, or list it");
+    assert!(right >= 12);
 }
 
 #[test]

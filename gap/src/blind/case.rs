@@ -54,6 +54,13 @@ const OUTSIDE: &[(&str, f64)] = &[
     ("accelerometer bias by omega_i", 2e-5),
 ];
 
+/// Laws that resemble known effects, which no draw takes: the rules know of them.
+const LAWS: &[(&str, f64)] = &[
+    ("accelerometer bias by (T - T_ref) f_i^2", 3e-8),
+    ("accelerometer bias by (dT/dt)^2", 2e-2),
+    ("accelerometer bias by |omega| f_i", 4e-6),
+];
+
 const NOT_EXCITED: &[&str] = &["gyro-rate-nonlinearity", "dither-size-effect"];
 
 /// Purpose of the random numbers that say how large and where.
@@ -348,7 +355,7 @@ fn drawn(stream: &mut Stream) -> (Vector3<f64>, f64) {
 
 /// Adds an error that no block models to the samples.
 fn hide(name: &str, strength: f64, rate: f64, samples: &mut [Sample], stream: &mut Stream) {
-    let size = OUTSIDE.iter().find(|o| o.0 == name).map_or(0.0, |o| o.1) * strength;
+    let size = OUTSIDE.iter().chain(LAWS).find(|o| o.0 == name).map_or(0.0, |o| o.1) * strength;
     let (direction, part) = drawn(stream);
     let direction = direction * size;
     let dt = 1.0 / rate;
@@ -356,6 +363,9 @@ fn hide(name: &str, strength: f64, rate: f64, samples: &mut [Sample], stream: &m
     let minute = part * samples.len() as f64 * dt;
     let mut temperature = Vector3::repeat(25.0);
     let mut ended = f64::NEG_INFINITY;
+    // follows the temperature by this time, s; as far as it is behind, the temperature changes
+    let behind = 20.0;
+    let mut followed: Option<Vector3<f64>> = None;
     for (at, s) in samples.iter_mut().enumerate() {
         let (w, f) = (s.dtheta / dt, s.dvel / dt);
         if !s.temperature.x.is_nan() {
@@ -365,6 +375,9 @@ fn hide(name: &str, strength: f64, rate: f64, samples: &mut [Sample], stream: &m
             ended = s.time;
         }
         let t = temperature.add_scalar(-25.0);
+        let before = *followed.get_or_insert(temperature);
+        let warming = (temperature - before) / behind;
+        followed = Some(before + warming * dt);
         let late = if at > half { 1.0 } else { 0.0 };
         let for_a_minute = if (0.0..60.0).contains(&(at as f64 * dt - minute)) { 1.0 } else { 0.0 };
         match name {
@@ -379,6 +392,13 @@ fn hide(name: &str, strength: f64, rate: f64, samples: &mut [Sample], stream: &m
                 let k = Vector3::new(f.z, f.x, f.y);
                 s.dtheta += direction.component_mul(&w.component_mul(&k)) * dt;
             }
+            "accelerometer bias by (T - T_ref) f_i^2" => {
+                s.dvel += direction.component_mul(&t).component_mul(&f.component_mul(&f)) * dt;
+            }
+            "accelerometer bias by (dT/dt)^2" => {
+                s.dvel += direction.component_mul(&warming.component_mul(&warming)) * dt;
+            }
+            "accelerometer bias by |omega| f_i" => s.dvel += direction.component_mul(&f) * w.norm() * dt,
             "gyro bias step" => s.dtheta += direction * late * dt,
             "gyro bias for 60 s" => s.dtheta += direction * for_a_minute * dt,
             "accelerometer bias for 60 s" => s.dvel += direction * for_a_minute * dt,

@@ -16,7 +16,7 @@ fn log(estimates: &[f64; 4]) -> Scene {
 }
 
 fn judged(first: &Scene, second: Option<&Scene>, open: Option<&Open>) -> Decision {
-    decide(first, second, open, THRESHOLD).unwrap()
+    decide(first, second, open, THRESHOLD, &|_| None).unwrap()
 }
 
 fn reason(decision: &Decision) -> &str {
@@ -140,10 +140,10 @@ fn a_family_without_a_name_is_outside_the_library() {
 }
 
 #[test]
-fn a_family_that_explains_as_much_makes_a_name_ambiguous() {
+fn a_family_that_explains_as_much_leaves_a_name_unconfirmed() {
     let named = log(&[1.0, 0.0, 0.0, 0.0]);
     let decision = judged(&named, None, Some(&open([0.0, 0.0], [1.0, 0.0, 0.0, 0.0], 0.9999)));
-    assert_eq!(decision.verdict, Verdict::Ambiguous);
+    assert_eq!(decision.verdict, Verdict::NotConfirmed);
     assert!(reason(&decision).contains("|omega|, which is no known effect"), "{}", reason(&decision));
 }
 

@@ -3,9 +3,12 @@
 mod decide;
 mod noise;
 mod open;
+mod partial;
 mod prices;
 mod relaxing;
 mod verify;
+
+use std::sync::OnceLock;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use sinscal::StateInfo;
@@ -57,6 +60,7 @@ fn scene(prices: Prices) -> Scene {
         noise_hides: false,
         prices,
         half,
+        parts: OnceLock::from(Vec::new()),
     }
 }
 
@@ -81,6 +85,8 @@ fn step(time: f64, parameters: usize, measured: usize) -> Step {
             force: nothing,
             temperature: nothing,
             temperature_rate: nothing,
+            gyro_temperature: nothing,
+            gyro_temperature_rate: nothing,
             dither: nothing,
         },
     }
