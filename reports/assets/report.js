@@ -7,10 +7,11 @@
   const alpha = (hex, part) => hex + Math.round(255 * part).toString(16).padStart(2, "0");
   const plots = [];
 
+  const minus = (text) => text.replaceAll("-", "\u2212");
   const number = (value) => {
-    if (value === null || value === undefined) return "\u2013";
+    if (value === null || value === undefined) return "";
     const size = Math.abs(value);
-    return size !== 0 && (size < 1e-3 || size >= 1e6) ? value.toExponential(3) : String(Number(value.toPrecision(5)));
+    return minus(size !== 0 && (size < 1e-3 || size >= 1e6) ? value.toExponential(3) : String(Number(value.toPrecision(5))));
   };
   // Points of all curves over one axis.
   const align = (figure) => {
@@ -75,9 +76,9 @@
     const x = axis(figure.axes[0], 34);
     const y = axis(figure.axes[1], 58);
     // on logarithmic axes the library knows which ticks have room for their numbers
-    if (!figure.logarithmic) y.values = (_, splits) => splits.map((v) => (v === null ? "" : String(Number(v.toPrecision(6)))));
+    if (!figure.logarithmic) y.values = (_, splits) => splits.map((v) => (v === null ? "" : minus(String(Number(v.toPrecision(6))))));
     const plot = new uPlot({
-      width: holder.clientWidth, height: 280, series, bands, axes: [x, y],
+      width: holder.clientWidth || 600, height: 280, series, bands, axes: [x, y],
       scales: figure.logarithmic ? { x: { time: false, distr: 3 }, y: { distr: 3 } } : { x: { time: false }, y: { range } },
       cursor: { sync: { key: figure.axes[0] }, drag: { x: true, y: false }, points: { size: 7 } },
       legend: { markers: { fill: (plot, at) => plot.series[at].width === 0 ? plot.series[at].points.fill(plot, at) : null } },
@@ -100,6 +101,8 @@
 
   const fit = (width) => {
     for (const { plot, holder } of plots) {
+      // what is folded gets its width when it is opened
+      if (!width && holder.clientWidth === 0) continue;
       plot.setSize({ width: width || holder.clientWidth, height: 280 });
       plot.redraw(true, true);
     }
@@ -110,5 +113,20 @@
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => fit());
   const print = matchMedia("print");
   print.addEventListener("change", () => fit(print.matches ? 330 : 0));
+  for (const details of document.querySelectorAll("section > details")) details.addEventListener("toggle", () => fit());
+  // what can be moved aside says so
+  const wide = document.querySelectorAll(".wide, nav");
+  const hint = () => wide.forEach((e) => e.classList.toggle("more", e.scrollLeft + e.clientWidth < e.scrollWidth - 2));
+  wide.forEach((e) => e.addEventListener("scroll", hint, { passive: true }));
+  addEventListener("resize", hint);
+  hint();
+  // a link to what is folded opens it
+  const reveal = () => {
+    const target = document.getElementById(location.hash.slice(1));
+    const folded = target && target.querySelector(":scope > details");
+    if (folded) folded.open = true;
+  };
+  addEventListener("hashchange", reveal);
+  reveal();
   document.documentElement.dataset.drawn = String(plots.length);
 })();

@@ -1,6 +1,6 @@
 //! The report of a diagnosis: what is missing, where it shows, its rivals, and the gap before and after.
 
-use gap::{Diagnosis, FoundEffect, LogGap, Place, Rival, Verdict};
+use gap::{Diagnosis, FoundEffect, Horizontal, LogGap, Place, Rival, Verdict};
 
 use super::{Cell, Interval, Item, Report, Section, Table, Tone, number, text};
 use crate::draw::{Curve, Figure, Style};
@@ -13,28 +13,36 @@ const NORMAL_95: f64 = 1.96;
 pub fn report(found: &Diagnosis, title: String) -> Report {
     let gap = found.gap.as_ref();
     let mut facts = Vec::new();
-    if let Some(effect) = found.effects.first() {
-        let names: Vec<&str> = found.effects.iter().map(|effect| effect.name.as_str()).collect();
-        facts.push(("missing".into(), names.join(", ")));
-        facts.push(("log-likelihood gained".into(), format!("{:.1}", effect.log_likelihood_gain)));
+    if !found.effects.is_empty() {
+        facts.push(("missing".into(), names(found).join(", ")));
+    } else if found.verdict != Verdict::NothingMissing {
+        let sets: Vec<String> = found.ambiguous.iter().map(|set| set.join(" + ")).collect();
+        let candidates = match sets.len() {
+            0 => "none".into(),
+            1..=2 => sets.join(", "),
+            many => format!("{many} sets of effects"),
+        };
+        facts.push(("candidates".into(), candidates));
     }
     if let Some(gap) = gap {
-        let change = |gap: &LogGap| format!("{:.2} to {:.2}", gap.rms_before, gap.rms_after);
-        facts.push(("RMS by sigma, this log".into(), change(&gap.fit)));
-        facts.extend(gap.verify.as_ref().map(|gap| ("RMS by sigma, second log".into(), change(gap))));
+        let gained = gap.fit.log_likelihood_after - gap.fit.log_likelihood_before;
+        facts.push(("log-likelihood gained".into(), tenths(gained)));
+        let change = |gap: &LogGap| format!("{:.2} to {:.2} sigma", gap.rms_before, gap.rms_after);
+        facts.push(("RMS of innovations, this log".into(), change(&gap.fit)));
+        facts.extend(gap.verify.as_ref().map(|gap| ("RMS of innovations, second log".into(), change(gap))));
     }
     facts.push(("confirmed by a second log".into(), if found.verified { "yes" } else { "no" }.into()));
     let sections = [
         effects(found),
+        rivals(found),
         before_and_after(found),
         map(found),
-        rivals(found),
         remarks(found),
-        declaration(found),
+        declaration(found).map(Section::folded),
     ];
     let report = Report {
         title,
-        verdict: found.sentence.clone(),
+        verdict: headline(found),
         tone: match found.verdict {
             Verdict::EffectsFound | Verdict::NothingMissing => Tone::Good,
             _ => Tone::Bad,
@@ -54,12 +62,37 @@ pub fn report(found: &Diagnosis, title: String) -> Report {
     )
 }
 
+fn names(found: &Diagnosis) -> Vec<&str> {
+    found.effects.iter().map(|effect| effect.name.as_str()).collect()
+}
+
+/// The verdict in a short sentence, and in a second line all that the diagnosis says of it.
+fn headline(found: &Diagnosis) -> String {
+    let sentence = &found.sentence;
+    let short = match found.verdict {
+        Verdict::EffectsFound => {
+            let names = names(found);
+            let (verb, it) = if names.len() > 1 { ("are", "them") } else { ("is", "it") };
+            let names = names.join(" and ");
+            let confirmed =
+                if found.verified { "and a second log confirms" } else { "but no second log confirms" };
+            format!("{names} {verb} missing from {}, {confirmed} {it}", found.base_filter)
+        }
+        _ => {
+            let end = [": ", "; ", ". "].into_iter().filter_map(|mark| sentence.find(mark)).min();
+            sentence[..end.unwrap_or(sentence.len())].trim_end_matches('.').to_owned()
+        }
+    };
+    let rest = sentence.strip_prefix(&short).unwrap_or(sentence);
+    format!("{short}\n{}", rest.trim_start_matches([';', ':', '.', ' ']))
+}
+
 /// The effects found, with their values.
 fn effects(found: &Diagnosis) -> Option<Section> {
     if found.effects.is_empty() {
         return None;
     }
-    let mut head = vec!["effect", "estimate", "95 % interval", "unit"];
+    let mut head = vec!["effect", "estimate", "unit", "95 % interval"];
     if found.verified {
         head.push("on the second log");
     }
@@ -71,7 +104,7 @@ fn effects(found: &Diagnosis) -> Option<Section> {
     for effect in &found.effects {
         if !effect.equation.is_empty() {
             items.push(Item::text(format!("{}: {}", effect.name, effect.description)));
-            items.push(Item::Code(effect.equation.clone()));
+            items.push(Item::Equation(effect.equation.clone()));
         }
     }
     Some(Section::new("What is missing", items))
@@ -87,8 +120,8 @@ fn value(effect: &FoundEffect, i: usize, verified: bool) -> Vec<Cell> {
     let mut row = vec![
         text(format!("{} {}", effect.name, effect.components[i])),
         number(figure(estimate)),
-        number(format!("{} to {}", figure(low), figure(high))),
         text(unit),
+        number(format!("{} to {}", figure(low), figure(high))),
     ];
     if verified {
         row.push(number(effect.estimate_verify.as_ref().map_or(String::new(), |values| figure(at(values)))));
@@ -103,18 +136,18 @@ fn before_and_after(found: &Diagnosis) -> Option<Section> {
     for (log, gap) in [("this log", Some(&gap.fit)), ("second log", gap.verify.as_ref())] {
         let Some(gap) = gap else { continue };
         let unit = if gap.free_run_of == "position" { "m" } else { "m/s" };
-        let prediction = format!("{} predicted over {:.0} s, {unit}", gap.free_run_of, gap.horizon_s);
+        let prediction = format!("{} predicted over {:.0} s, RMS error", gap.free_run_of, gap.horizon_s);
         let navigated = gap.horizontal.map(|horizontal| {
-            let what = "free-inertial with the first log's values, horizontal, m".to_owned();
-            (what, horizontal.before_m, horizontal.after_m)
+            let what = "free-inertial with the first log's values, largest horizontal error".to_owned();
+            (what, "m", horizontal.before_m, horizontal.after_m)
         });
         let lines = [
-            ("innovations by their sigma, RMS".to_owned(), gap.rms_before, gap.rms_after),
-            (prediction, gap.free_run_before, gap.free_run_after),
+            ("innovations, RMS".to_owned(), "sigma", gap.rms_before, gap.rms_after),
+            (prediction, unit, gap.free_run_before, gap.free_run_after),
         ];
-        for (what, before, after) in lines.into_iter().chain(navigated) {
+        for (what, unit, before, after) in lines.into_iter().chain(navigated) {
             let largest = before.max(after);
-            let bar = |value: f64| Cell::Bar(value / largest, significant(value));
+            let bar = |value: f64| Cell::Bar(value / largest, format!("{} {unit}", significant(value)));
             rows.push(vec![text(log), text(what), bar(before), bar(after)]);
         }
         rows.push(vec![
@@ -126,7 +159,23 @@ fn before_and_after(found: &Diagnosis) -> Option<Section> {
     }
     let caption = "Both filters really run, closed loop, on the fitted noise. A filter that lacks nothing has an RMS of 1.";
     let table = Table::new(caption, &["log", "gap", "before", "after"], rows).drawn_as("before-and-after");
-    Some(Section::new("Before and after", vec![table.into()]))
+    let mut items = vec![table.into()];
+    for (log, gap) in [("this log", Some(&gap.fit)), ("the second log", gap.verify.as_ref())] {
+        let worse = gap.and_then(|gap| gap.horizontal).filter(|error| error.after_m > error.before_m);
+        items.extend(worse.map(|error| Item::text(worse_off(log, &error))));
+    }
+    Some(Section::new("Before and after", items))
+}
+
+/// Why navigation may be worse though the residuals are better.
+fn worse_off(log: &str, error: &Horizontal) -> String {
+    format!(
+        "On {log} free-inertial navigation errs more with what was found: {} m instead of {} m. It is one draw: errors of the \
+         alignment and the noise of the gyros grow with time and may have cancelled others before. It takes no part in the verdict, \
+         which rests on the innovations.",
+        significant(error.after_m),
+        significant(error.before_m)
+    )
 }
 
 /// Where it shows: stretches by channels, and how the evidence grew.

@@ -7,6 +7,8 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use serde_json::{Value, json};
 
+use crate::typeset::symbols;
+
 /// Colours that people with any kind of colour vision tell apart (Okabe and Ito).
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"];
 /// A curve is drawn with at most this many points; the numbers beside it are complete.
@@ -110,11 +112,11 @@ impl Figure {
                 Style::Bound => "bound",
             };
             curves.push(json!({
-                "name": curve.name, "style": style, "colour": colour, "x": at, "y": y, "band": band,
+                "name": symbols(&curve.name), "style": style, "colour": colour, "x": at, "y": y, "band": band,
             }));
         }
         json!({
-            "title": self.title, "axes": self.axes, "x": times, "curves": curves, "view": self.view(),
+            "axes": self.axes.map(symbols), "x": times, "curves": curves, "view": self.view(),
             "logarithmic": logarithmic,
         })
     }

@@ -134,7 +134,7 @@ impl Inputs {
             figure("dither", "Amplitude of the dither", "rate, rad/s", vec![self.curves("", |s| s.dither)]),
         ];
         items.retain(|figure| !figure.curves.is_empty());
-        Section::new("What the unit was put through", items.into_iter().map(Into::into).collect())
+        Section::new("What the unit was put through", items.into_iter().map(Into::into).collect()).folded()
     }
 
     /// One curve for each axis that was read.

@@ -10,9 +10,12 @@ mod html;
 mod inputs;
 pub mod parts;
 mod picture;
+mod stands;
+mod typeset;
 
 pub use draw::{Curve, Figure, Style};
 pub use inputs::Inputs;
+pub use stands::{Drawing, Stand};
 
 /// A page that cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -33,13 +36,13 @@ const FIGURES: &str = "figures";
 pub struct Report {
     /// What it is about.
     pub title: String,
-    /// The finding in a sentence.
+    /// The finding in a sentence; what else must be said at once follows in further lines.
     pub verdict: String,
     /// Whether the verdict is good news.
     pub tone: Tone,
-    /// Key figures: what they are, and their value.
+    /// Three to five key figures: what they are, and their value with its unit.
     pub facts: Vec<(String, String)>,
-    /// The parts, in the order a reviewer reads.
+    /// The parts, in the order a reviewer reads: first what decides, then detail, which is folded.
     pub sections: Vec<Section>,
     /// Where it comes from: configuration, seed, version, input, command line.
     pub origin: Vec<(String, String)>,
@@ -62,6 +65,8 @@ pub enum Tone {
 pub struct Section {
     /// What it is about.
     pub title: String,
+    /// Whether a reader has to open it.
+    folded: bool,
     /// What stands in it, in order.
     pub items: Vec<Item>,
 }
@@ -78,8 +83,12 @@ pub enum Item {
     Curves(Figure),
     /// The same with logarithmic axes.
     LogLog(Figure),
+    /// A drawing.
+    Drawing(Drawing),
     /// Source code or a configuration file.
     Code(String),
+    /// An equation in plain text, such as `d_f_i = k_i f_i^2`, which is set.
+    Equation(String),
 }
 
 /// A table; a forest plot, bars and a map are tables with such cells.
@@ -129,7 +138,13 @@ pub struct Interval {
 impl Section {
     /// A part called `title`.
     pub fn new(title: impl Into<String>, items: Vec<Item>) -> Self {
-        Self { title: title.into(), items }
+        Self { title: title.into(), folded: false, items }
+    }
+
+    /// The same as a detail that a reader opens. It is not printed unless it is open.
+    #[must_use]
+    pub fn folded(self) -> Self {
+        Self { folded: true, ..self }
     }
 }
 
@@ -204,7 +219,12 @@ impl Report {
                         put(file, picture::svg(table), picture::csv(table));
                     }
                 }
-                Item::Text(_) | Item::List(_) | Item::Code(_) => {}
+                Item::Drawing(_) | Item::Text(_) | Item::List(_) | Item::Code(_) | Item::Equation(_) => {}
+            }
+        }
+        for item in self.sections.iter().flat_map(|section| &section.items) {
+            if let Item::Drawing(Drawing { file, svg, .. }) = item {
+                files.push((format!("{FIGURES}/{file}.svg"), svg.clone().into_bytes()));
             }
         }
         Ok(files)

@@ -1,5 +1,6 @@
 //! Sections that several subcommands have in common.
 
+use sinscal::navigation::NAUTICAL_MILE;
 use sinscal::{ChannelInnovations, Parameter, StateInfo};
 
 use super::{Cell, Interval, Item, Section, Table, number, text};
@@ -7,8 +8,10 @@ use crate::draw::{Curve, Figure, Style};
 use crate::figures::{decimals, significant};
 use runs::History;
 
-/// Half the length of the axis of a forest plot, in prior sigmas, at least and at most.
-const FOREST: [f64; 2] = [0.1, 3.0];
+/// Half the length of the axis of a forest plot, in prior sigmas, at least and at most: what was believed must be seen to end.
+const FOREST: [f64; 2] = [1.5, 3.0];
+/// A band is drawn from where it is narrower than this part of the prior: before, those of all axes cover each other.
+const NARROW: f64 = 0.1;
 /// Half the length of the axis of normalised errors.
 const ERRORS: f64 = 4.0;
 /// Lags at which residuals are looked at for whiteness.
@@ -16,12 +19,15 @@ const LAGS: usize = 20;
 /// What 95 % of normal numbers stay within.
 const NORMAL_95: f64 = 1.96;
 
+/// An hour, s.
+const HOUR: f64 = 3600.0;
+
 /// True values, where they are known.
 pub type Truth<'a> = Option<&'a dyn Fn(&StateInfo) -> f64>;
 
 /// Estimates with their intervals.
 pub fn numbers(parameters: &[Parameter], converged: &dyn Fn(usize) -> Option<f64>, truth: Truth) -> Section {
-    let mut head = vec!["parameter", "estimate", "95 % interval", "unit"];
+    let mut head = vec!["parameter", "estimate", "unit", "95 % interval"];
     if truth.is_some() {
         head.extend(["truth", "error by sigma"]);
     }
@@ -34,12 +40,11 @@ pub fn numbers(parameters: &[Parameter], converged: &dyn Fn(usize) -> Option<f64
         let mut row = vec![text(name(info))];
         if p.estimated {
             let (low, high) = (p.value - NORMAL_95 * p.sigma, p.value + NORMAL_95 * p.sigma);
-            row.push(figure(sheet(p.value)));
+            row.extend([figure(sheet(p.value)), text(info.sheet_unit)]);
             row.push(number(format!("{:.digits$} to {:.digits$}", sheet(low), sheet(high))));
         } else {
-            row.extend([number("not estimated"), number("")]);
+            row.extend([number("not estimated"), text(info.sheet_unit), number("")]);
         }
-        row.push(text(info.sheet_unit));
         if let Some(truth) = truth {
             let true_value = truth(info);
             row.push(figure(sheet(true_value)));
@@ -120,9 +125,10 @@ pub fn forest(parameters: &[Parameter], centre: &dyn Fn(&StateInfo) -> f64, trut
 }
 
 /// How each estimate came about, with its band of three sigmas: a figure for each effect.
-pub fn convergence(parameters: &[Parameter], history: &History, truth: Truth) -> Section {
+/// `places` has where each parameter stands in the history.
+pub fn convergence(parameters: &[Parameter], places: &[usize], history: &History, truth: Truth) -> Section {
     let mut figures: Vec<Figure> = Vec::new();
-    for (i, p) in parameters.iter().enumerate() {
+    for (p, &i) in parameters.iter().zip(places) {
         let info = &p.info;
         let sheet = |value: f64| value / info.sheet_scale;
         if figures.last().is_none_or(|figure| figure.file != info.block) {
@@ -135,8 +141,12 @@ pub fn convergence(parameters: &[Parameter], history: &History, truth: Truth) ->
             });
         }
         let Some(figure) = figures.last_mut() else { continue };
-        let points = history.rows().map(|(time, row)| (time, sheet(row[i].0))).collect();
-        let band = history.rows().map(|(_, row)| sheet(3.0 * row[i].1)).collect();
+        let wide = history.rows().take_while(|(_, row)| row[i].1 > NARROW * p.prior_sigma).count();
+        // what never becomes narrow is shown whole
+        let wide = if history.rows().nth(wide).is_some() { wide } else { 0 };
+        let seen = || history.rows().skip(wide);
+        let points = seen().map(|(time, row)| (time, sheet(row[i].0))).collect();
+        let band = seen().map(|(_, row)| sheet(3.0 * row[i].1)).collect();
         figure.curves.push(Curve::new(info.component, Style::Full, points).with_band(band));
         if let (Some(truth), Some((first, _)), Some((last, _))) =
             (truth, history.rows().next(), history.rows().last())
@@ -147,15 +157,15 @@ pub fn convergence(parameters: &[Parameter], history: &History, truth: Truth) ->
         }
     }
     let mut words = String::from(
-        "Estimates with three sigmas of the last pass. The axis shows what is left when the wide beginning is over; a double click \
-                 shows everything, a drag what it spans.",
+        "Estimates with three sigmas of the last pass, from where sigma is below a tenth of its prior. The axis shows what is left when \
+         the wide beginning is over; a double click shows everything, a drag what it spans.",
     );
     if truth.is_some() {
         words += " Dashed: the truth.";
     }
     let mut items = vec![Item::text(words)];
     items.extend(figures.into_iter().map(Item::from));
-    Section::new("Convergence", items)
+    Section::new("Convergence", items).folded()
 }
 
 /// Residuals, by what the filter said of them beforehand and in their units.
@@ -260,8 +270,9 @@ pub fn navigation<'a>(tracks: impl Iterator<Item = (&'a str, &'a [(f64, f64, f64
     let start = |track: &[(f64, f64, f64)]| track.first().map_or(0.0, |(time, _, _)| *time);
     let horizontal = tracks.clone().map(|(name, track)| {
         let from = start(track);
-        let points =
-            track.iter().map(|(time, east, north)| ((time - from) / 3600.0, east.hypot(*north) / 1852.0));
+        let points = track
+            .iter()
+            .map(|(time, east, north)| ((time - from) / HOUR, east.hypot(*north) / NAUTICAL_MILE));
         Curve::new(name, Style::Full, points.collect())
     });
     let mut figures = vec![Figure {
@@ -273,8 +284,9 @@ pub fn navigation<'a>(tracks: impl Iterator<Item = (&'a str, &'a [(f64, f64, f64
     for (file, title, pick) in [("east", "Error to the east", 0), ("north", "Error to the north", 1)] {
         let curves = tracks.clone().map(|(name, track)| {
             let from = start(track);
-            let of =
-                |p: &(f64, f64, f64)| ((p.0 - from) / 3600.0, if pick == 0 { p.1 } else { p.2 } / 1852.0);
+            let of = |p: &(f64, f64, f64)| {
+                ((p.0 - from) / HOUR, if pick == 0 { p.1 } else { p.2 } / NAUTICAL_MILE)
+            };
             Curve::new(name, Style::Full, track.iter().map(of).collect())
         });
         let axes = ["time, h", "error, nautical miles"];
@@ -286,4 +298,121 @@ pub fn navigation<'a>(tracks: impl Iterator<Item = (&'a str, &'a [(f64, f64, f64
 /// Name of a parameter.
 pub fn name(info: &StateInfo) -> String {
     format!("{} {}", info.block, info.component).trim_end().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const INFO: StateInfo = StateInfo {
+        block: "gyro-scale",
+        component: "x",
+        unit: "1",
+        prior_sigma: 3e-4,
+        sheet_unit: "ppm",
+        sheet_scale: 1e-6,
+    };
+    const PARAMETER: Parameter =
+        Parameter { info: INFO, value: 1.2e-5, sigma: 4e-7, prior_sigma: 1e-4, estimated: true };
+
+    fn table(section: &Section) -> &Table {
+        let tables = section
+            .items
+            .iter()
+            .filter_map(|item| if let Item::Table(table) = item { Some(table) } else { None });
+        tables.into_iter().next().expect("a table")
+    }
+
+    fn figures(section: &Section) -> Vec<String> {
+        let figures = section
+            .items
+            .iter()
+            .filter_map(|item| if let Item::Curves(figure) = item { Some(figure) } else { None });
+        figures.map(|figure| String::from_utf8(figure.csv()).expect("text")).collect()
+    }
+
+    #[test]
+    fn errors_of_navigation_are_in_nautical_miles_and_hours() {
+        let track = [(100.0, 0.0, 0.0), (1900.0, 1852.0, 0.0), (3700.0, -3.0 * 1852.0, 4.0 * 1852.0)];
+        let section = navigation([("a", &track[..])].into_iter());
+        let [horizontal, east, north] = &figures(&section)[..] else { panic!("three figures") };
+        assert!(horizontal.ends_with("a,0,0e0\na,0.5,1e0\na,1,5e0\n"), "{horizontal}");
+        assert!(east.ends_with("a,0.5,1e0\na,1,-3e0\n"), "{east}");
+        assert!(north.ends_with("a,0.5,0e0\na,1,4e0\n"), "{north}");
+    }
+
+    #[test]
+    fn estimates_stand_in_data_sheet_units_with_their_intervals() {
+        let vague = Parameter { estimated: false, ..PARAMETER };
+        let truth = |_: &StateInfo| 1.1e-5;
+        let section = numbers(&[PARAMETER, vague], &|_| Some(715.2), Some(&truth));
+        let told: Vec<Vec<&str>> = table(&section)
+            .rows
+            .iter()
+            .map(|row| {
+                row.iter()
+                    .map(|cell| if let Cell::Text(t) | Cell::Number(t) = cell { t } else { "?" })
+                    .collect()
+            })
+            .collect();
+        // 12 ppm within 1.96 times 0.4 ppm; 2.5 sigma from 11 ppm
+        assert_eq!(
+            told[0],
+            ["gyro-scale x", "12.00", "ppm", "11.22 to 12.78", "11.00", "+2.5", "100", "715 s"]
+        );
+        assert_eq!(told[1][1..4], ["not estimated", "ppm", ""]);
+    }
+
+    #[test]
+    fn a_forest_shows_where_the_prior_ends() {
+        let truth = |_: &StateInfo| 1.1e-5;
+        let section = forest(&[PARAMETER], &|_| 0.0, Some(&truth));
+        let Cell::Interval(drawn) = &table(&section).rows[0][1] else { panic!("an interval") };
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+        // the axis reaches to 1.5 prior sigmas, the estimate is 0.12 of one, three of its sigmas 0.012
+        close(drawn.prior.0, 0.5 - 0.5 / 1.5);
+        close(drawn.prior.1, 0.5 + 0.5 / 1.5);
+        close(drawn.estimate, 0.54);
+        close(drawn.interval.0, 0.536);
+        close(drawn.interval.1, 0.544);
+        close(drawn.truth.unwrap_or(f64::NAN), 0.5 + 0.5 * 0.11 / 1.5);
+        let Cell::Interval(error) = &table(&section).rows[0][3] else { panic!("an error") };
+        close(error.estimate, 0.5 + 0.5 * 2.5 / 4.0);
+    }
+
+    #[test]
+    fn a_band_begins_where_it_is_narrow() {
+        let mut history = History::new(1, 0.0);
+        for (time, sigma) in [(1.0, 1e-4), (2.0, 2e-5), (3.0, 1e-5), (4.0, 5e-6)] {
+            history.push(time, [(1e-6 * time, sigma)].into_iter());
+        }
+        let section = convergence(&[PARAMETER], &[0], &history, None);
+        // from a tenth of the prior, with three sigmas, in ppm
+        let told = figures(&section);
+        let rows: Vec<&str> = told[0].lines().skip(1).collect();
+        let [third, fourth] = rows[..] else { panic!("two points: {rows:?}") };
+        for (row, begins, half) in [(third, "x,3,3e0,", 30.0), (fourth, "x,4,4e0,", 15.0)] {
+            let band: f64 = row.strip_prefix(begins).and_then(|band| band.parse().ok()).expect("a band");
+            assert!((band / half - 1.0).abs() < 1e-12, "{row}");
+        }
+        // what never becomes so narrow is shown whole
+        let wide = Parameter { prior_sigma: 1e-6, ..PARAMETER };
+        assert!(figures(&convergence(&[wide], &[0], &history, None))[0].contains("x,1,1e0,"), "all of it");
+    }
+
+    #[test]
+    fn residuals_are_counted_in_their_sigmas() {
+        let points = (0..40).map(|k| [f64::from(k), if k % 2 == 0 { 0.2 } else { -0.2 }, 0.1]).collect();
+        let channel = ChannelInnovations { group: "velocity", component: "e", unit: "m/s", points };
+        let section = residuals("Residuals", "", &[channel]);
+        let told: Vec<&str> = table(&section).rows[0]
+            .iter()
+            .map(|cell| if let Cell::Text(t) | Cell::Number(t) = cell { t.as_str() } else { "?" })
+            .collect();
+        // all two sigmas off, and each against the one before: 39 products of -1 over 40 squares
+        assert_eq!(told[..7], ["velocity e", "40", "2.000", "0.0 %", "100.0 %", "100.0 %", "-0.975"]);
+        let [normalised, physical, ..] = &figures(&section)[..] else { panic!("two figures") };
+        assert!(normalised.contains("e,0,2e0") && normalised.contains("e,1,-2e0"), "{normalised}");
+        assert!(physical.contains("e,0,2e-1") && physical.contains(",3.0000000000000004e-1"), "{physical}");
+    }
 }
