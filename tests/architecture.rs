@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Our crates, each after all that it may know, with its manifest's folder and that of its sources.
-const CRATES: [(&str, &str, &str); 11] = [
+const CRATES: [(&str, &str, &str); 12] = [
     ("calib-core", "calib-core", "calib-core/src"),
     ("state-macro", "state-macro", "state-macro/src"),
     ("sinscal", ".", "models"),
@@ -14,12 +14,13 @@ const CRATES: [(&str, &str, &str); 11] = [
     ("rig", "rig", "rig/src"),
     ("gap", "gap", "gap/src"),
     ("study", "study", "study/src"),
+    ("plan", "plan", "plan/src"),
     ("reports", "reports", "reports/src"),
     ("sinscal-cli", "cli", "cli/src"),
 ];
 
 /// What a crate does without, whatever else it comes to know.
-const APART: [(&str, &[&str]); 9] = [
+const APART: [(&str, &[&str]); 10] = [
     ("calib-core", &["state-macro", "sinscal"]),
     ("sinscal", &["logs", "rig"]),
     ("noise", &["calib-core", "state-macro", "sinscal"]),
@@ -28,6 +29,7 @@ const APART: [(&str, &[&str]); 9] = [
     ("rig", &["runs", "gap", "study"]),
     ("gap", &["logs"]),
     ("study", &["logs", "gap"]),
+    ("plan", &["logs", "gap", "study"]),
     ("reports", &["logs", "rig"]),
 ];
 
@@ -35,7 +37,7 @@ const APART: [(&str, &[&str]); 9] = [
 const OUTSIDE: [&str; 4] = ["std::fs", "std::net", "std::process", "tempfile"];
 
 /// What the sources of a crate do not name, but in the files listed.
-const UNNAMED: [(&str, &[&str], &[&str]); 10] = [
+const UNNAMED: [(&str, &[&str], &[&str]); 11] = [
     ("calib-core", &OUTSIDE, &[]),
     ("sinscal", &OUTSIDE, &[]),
     // what a smoother writes to is told to it
@@ -44,6 +46,7 @@ const UNNAMED: [(&str, &[&str], &[&str]); 10] = [
     ("runs", &OUTSIDE, &["runs/src/tape.rs"]),
     ("gap", &OUTSIDE, &[]),
     ("study", &OUTSIDE, &[]),
+    ("plan", &OUTSIDE, &[]),
     ("rig", &OUTSIDE, &[]),
     ("reports", &OUTSIDE, &[]),
     ("rig", &["Calibration<", "Kalman", "Sins36P", "Sins43B", "Mems30", "Tracked35"], &[]),

@@ -148,7 +148,7 @@ fn what_cannot_join_is_refused_by_name() {
     let short = OpenBlocks::new(&SHORT).unwrap_err().to_string();
     assert!(short.starts_with("`short` describes another number of states"), "{short}");
     let many = OpenBlocks::new(&MANY).unwrap_err().to_string();
-    assert_eq!(many, "no room for `attitude`: blocks that join at run time have up to 24 states");
+    assert_eq!(many, "no room for `attitude`: blocks that join at run time have up to 32 states");
 }
 
 #[test]

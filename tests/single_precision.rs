@@ -24,7 +24,7 @@ fn motion(t: f64) -> (Matrix3<f64>, Vector3<f64>) {
 }
 
 /// Where the filter is linearised and what its sensors feel, in the scalar it computes with.
-fn instant<T: Real>(t: f64) -> (Point<T>, Signals<T>) {
+fn instant<T: Real + Default>(t: f64) -> (Point<T>, Signals<T>) {
     let (c_bn, rate_eb) = motion(t);
     let (latitude, height) = (0.56, 20.0);
     let gravity = Vector3::z() * earth::gravity(latitude, height);
@@ -56,18 +56,18 @@ fn instant<T: Real>(t: f64) -> (Point<T>, Signals<T>) {
         dither: of(Vector3::repeat(3e-3)),
         coupled_dither: of(Vector3::repeat(3e-3)),
         time: T::of(t),
-        open: OpenBlocks::NONE,
+        ..Signals::default()
     };
     (point, signals)
 }
 
 /// One filter: what it is made of does not leave its scalar.
-struct Run<T: Real, C: Form> {
+struct Run<T: Real + Default, C: Form> {
     kalman: Kalman<F, T, C>,
     transition: Transition<F, T>,
 }
 
-impl<T: Real, C: Form> Run<T, C> {
+impl<T: Real + Default, C: Form> Run<T, C> {
     fn new() -> Self {
         let mut prior = Kalman::<F, T, C>::prior();
         for (i, sigma) in START.iter().enumerate() {

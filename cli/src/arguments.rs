@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use miette::Result;
+use miette::{Result, miette};
 use rig::Scenario;
 use runs::AnyFilter;
 
-use crate::compose::Change;
+use crate::compose::{Change, considering};
 use crate::output::Target;
+use crate::setup::Beginning;
 use crate::vocabulary::vocabulary;
 use crate::{say, scenario};
 use logs::{Axes, ColumnMap, Log, Reading, Stamps};
@@ -112,14 +113,9 @@ impl Columns {
 }
 
 impl LogArgument {
-    /// Opens it.
-    pub(crate) fn open(&self) -> Result<Log> {
-        open(&self.log, &self.columns.reading())
-    }
-
-    /// Opens it for what a filter measures.
-    pub(crate) fn open_for(&self, filter: &dyn AnyFilter) -> Result<Log> {
-        open_for(&self.log, &self.columns, filter)
+    /// Opens it for a filter.
+    pub(crate) fn open_for(&self, filter: &dyn AnyFilter, beginning: Beginning) -> Result<Log> {
+        open_for(&self.log, &self.columns, filter, beginning)
     }
 }
 
@@ -130,11 +126,15 @@ pub(crate) fn open(path: &Path, reading: &Reading) -> Result<Log> {
     Ok(log)
 }
 
-/// Opens a log for what a filter measures, and says what is odd about it and what is assumed.
-pub(crate) fn open_for(path: &Path, columns: &Columns, filter: &dyn AnyFilter) -> Result<Log> {
-    let mut log = Log::open(path, &columns.reading_for(filter))?;
-    log.refer(&filter.measures())?;
-    tell(&log);
+/// Opens a log for a filter, and says what is odd about it and what is assumed.
+pub(crate) fn open_for(
+    path: &Path,
+    columns: &Columns,
+    filter: &dyn AnyFilter,
+    beginning: Beginning,
+) -> Result<Log> {
+    let mut log = Log::open_counting(path, &columns.reading_for(filter))?;
+    beginning.prepare(&mut log, filter)?;
     Ok(log)
 }
 
@@ -160,6 +160,29 @@ impl FilterArgument {
     pub(crate) fn filter(&self) -> Result<Arc<dyn AnyFilter>> {
         self.change.of(&self.filter)
     }
+}
+
+/// `filter` with the wander of the biases that the description of `log` states.
+pub(crate) fn wandering(filter: &Arc<dyn AnyFilter>, log: &Log) -> Result<Arc<dyn AnyFilter>> {
+    runs::wandering(filter, &log.description().wander)
+        .map_err(|error| miette!("{}: the wander in [noise]: {error}", log.table().display()))
+}
+
+/// `filter` with what is not the unit's and may be wrong: considered where the description states by how much, and with `all` also where it
+/// does not, by the defaults. What the filter has already stays as it is.
+pub(crate) fn uncertain(
+    filter: &Arc<dyn AnyFilter>,
+    log: &Log,
+    all: bool,
+) -> Result<(Arc<dyn AnyFilter>, Vec<&'static str>)> {
+    let stated = &log.description().uncertainty;
+    let own = filter.blocks();
+    let lacks = |name: &&'static str| own.iter().all(|leaf| leaf.name != *name);
+    let is_stated = |name: &&'static str| stated.iter().any(|(stated, _)| stated == name);
+    let assumed: Vec<_> =
+        sinscal::INFLUENCES.iter().copied().filter(|name| all && lacks(name) && !is_stated(name)).collect();
+    let names: Vec<_> = stated.iter().map(|(name, _)| *name).filter(lacks).chain(assumed.clone()).collect();
+    Ok((considering(filter, &names)?, assumed))
 }
 
 /// Finds a filter by its name, without regard to case.

@@ -23,6 +23,10 @@ pub(crate) struct Change {
     /// Blocks that the filter is to do without, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     without: Vec<String>,
+    /// Effects whose states the filter is to consider, separated by commas: they keep their priors, and what these make uncertain is in
+    /// the sigmas of the others
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    consider: Vec<String>,
 }
 
 impl Change {
@@ -41,8 +45,21 @@ impl Change {
                 with.push(entry.clone());
             }
         }
-        compose(base.name(), &with, &self.without)
+        let composed = compose(base.name(), &with, &self.without)?;
+        considering(&composed, &names(&self.consider))
     }
+}
+
+/// `filter` with states of effects that are considered, by name.
+pub(crate) fn considering(filter: &Arc<dyn AnyFilter>, considered: &[&str]) -> Result<Arc<dyn AnyFilter>> {
+    let mut effects = Vec::new();
+    for name in considered {
+        effects.push(vocabulary().effect(name).map_err(|error| {
+            let known = vocabulary().effects().iter().map(|effect| effect.name());
+            miette!(help = suggest::hint(name, known), "--consider: {error}")
+        })?);
+    }
+    runs::considering(filter, &effects).map_err(|error| miette!("--consider: {error}"))
 }
 
 /// The filter called `base` with effects added and blocks left out.

@@ -9,14 +9,17 @@ use gap::menu::Menu;
 use gap::{Diagnosis, LogGap, Options, Verdict};
 use miette::{IntoDiagnostic, Report, Result, miette};
 use runs::AnyFilter;
+use sinscal::{Coarse, Setup, SiteShown};
 
 use crate::arguments::{self, Columns, Results};
 use crate::compose::Change;
 use crate::origin::{Documented as _, inputs};
+use crate::setup::Beginning;
 use crate::source::{Source, unreadable};
 use crate::vocabulary::vocabulary;
 use crate::{say, self_test, setup};
 use logs::Log;
+use logs::units::DEGREE;
 use reports::diagnosis::{self, tenths};
 
 /// Name of the Rust file with the extended filter.
@@ -46,6 +49,8 @@ pub(crate) struct Arguments {
     filter: Option<Arc<dyn AnyFilter>>,
     #[command(flatten)]
     change: Change,
+    #[command(flatten)]
+    beginning: Beginning,
     /// A second log of the same unit, on another path or day, to confirm what the first one shows
     #[arg(long, value_name = "LOG2")]
     verify: Option<PathBuf>,
@@ -58,6 +63,21 @@ pub(crate) struct Arguments {
     seed: u64,
     #[command(flatten)]
     results: Results,
+}
+
+/// Refuses to look for what the coarse stage takes out of the samples.
+fn lacks_nothing_coarse(log: &Log, filter: &dyn AnyFilter) -> Result<()> {
+    let blocks = filter.blocks();
+    let lacks = |name: &&&str| blocks.iter().all(|leaf| leaf.name != **name);
+    match Coarse::EFFECTS.iter().find(lacks).filter(|_| log.coarse().is_some()) {
+        Some(name) => Err(miette!(
+            help = "a filter that has it can be diagnosed with the coarse stage, and this one without it, within the priors",
+            "{}: the coarse stage takes {name} out of the samples, which {} lacks",
+            log.table().display(),
+            filter.title()
+        )),
+        None => Ok(()),
+    }
 }
 
 /// What went wrong with a log.
@@ -76,10 +96,15 @@ impl Arguments {
             // the parser of the command line lets nothing else through
             _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, target),
         };
-        let filter = &*filter;
-        let open = |log: &Path| arguments::open_for(log, &self.columns, filter);
+        let open = |log: &Path| arguments::open_for(log, &self.columns, &*filter, self.beginning);
         let first = open(log)?;
         let second = self.verify.as_deref().map(open).transpose()?;
+        [Some(&first), second.as_ref()]
+            .into_iter()
+            .flatten()
+            .try_for_each(|log| lacks_nothing_coarse(log, &*filter))?;
+        let filter = arguments::wandering(&filter, &first)?;
+        let filter = &*filter;
         self.change.files().try_for_each(|path| target.reads(path))?;
         target.reads_log(&first)?;
         second.iter().try_for_each(|second| target.reads_log(second))?;
@@ -93,6 +118,7 @@ impl Arguments {
             .as_ref()
             .zip(second_setup.as_ref())
             .map(|(samples, setup)| gap::Log { samples, setup });
+        elsewhere(&first, &first_samples, &first_setup)?;
         let bar = say::progress_bar(100, "diagnosing");
         let options = Options { seed: self.seed, ..Options::default() };
         let effects = vocabulary().effects();
@@ -129,6 +155,22 @@ impl Arguments {
             }
             page.write(files, folder)
         })
+    }
+}
+
+/// Refuses a log that was taken somewhere else: what an Earth rate of another direction leaves looks like errors of the unit.
+fn elsewhere(log: &Log, samples: &Source<'_>, setup: &Setup<'_>) -> Result<()> {
+    let shown = runs::site_shown(samples, setup).map_err(|error| unreadable(log, error))?;
+    match shown.filter(|shown| shown.is_elsewhere(&setup.site)) {
+        Some(SiteShown { latitude: (latitude, sigma), positions, .. }) => Err(miette!(
+            help = "mend latitude_deg in [site] first: an Earth rate of another direction looks like errors of the unit",
+            "{}: its rests in {positions} positions show a latitude of {:.3} +- {:.3} deg, {:.3} is stated",
+            log.table().display(),
+            latitude / DEGREE,
+            sigma / DEGREE,
+            setup.site.latitude / DEGREE
+        )),
+        None => Ok(()),
     }
 }
 

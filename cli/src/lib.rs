@@ -23,9 +23,11 @@
 //! ```
 
 mod ablate;
+mod apply;
 mod arguments;
 mod calibrate;
 mod campaign;
+mod compare;
 mod completions;
 mod compose;
 mod demo;
@@ -41,6 +43,7 @@ mod observe;
 mod origin;
 mod output;
 mod paper;
+mod plan;
 mod say;
 mod scenario;
 mod self_test;
@@ -72,6 +75,7 @@ Examples:
   sinscal calibrate runs/unit-3 --filter 43d-b --out results
   sinscal diagnose runs/unit-3 --filter 36d-p --out findings
   sinscal calibrate log.mat --filter 43d-b --map gyro=wm,accel=vm,time=t
+  sinscal compare monday.json friday.json --out change
   sinscal export results/calibration.json --format c --out imu_calibration.h
 
 Exit codes: 0 the work was done, 1 bad input or a failed run, 2 bad usage.
@@ -103,9 +107,12 @@ enum Command {
     Ablate(ablate::Arguments),
     Observe(observe::Arguments),
     Navigate(navigate::Arguments),
+    Apply(apply::Arguments),
+    Compare(compare::Arguments),
     Export(export::Arguments),
     Campaign(campaign::Arguments),
     Paper(paper::Arguments),
+    Plan(plan::Arguments),
     Filters(filters::Arguments),
     Effects(effects::Arguments),
     New(new::Arguments),
@@ -174,9 +181,12 @@ fn run() -> ExitCode {
         Command::Ablate(arguments) => arguments.run(),
         Command::Observe(arguments) => arguments.run(),
         Command::Navigate(arguments) => arguments.run(),
+        Command::Apply(arguments) => arguments.run(),
+        Command::Compare(arguments) => arguments.run(),
         Command::Export(arguments) => arguments.run(),
         Command::Campaign(arguments) => arguments.run(),
         Command::Paper(arguments) => arguments.run(),
+        Command::Plan(arguments) => arguments.run(),
         Command::Filters(arguments) => arguments.run(),
         Command::Effects(arguments) => arguments.run(),
         Command::New(arguments) => arguments.run(),

@@ -324,7 +324,9 @@ impl<'a> Target<'a> {
     /// The same of whatever a log of this name, with or without ending, may be read from before it is opened.
     pub(crate) fn reads_named(&mut self, log: &Path) -> Result<()> {
         self.reads(log)?;
-        for ending in ["toml", "parquet", "csv", "mat", "h5", "hdf5", "npz", "npy"] {
+        for ending in
+            ["toml", "parquet", "csv", "mat", "h5", "hdf5", "npz", "npy", "mcap", "bag", "ulg", "ulog"]
+        {
             let mut name = log.as_os_str().to_owned();
             name.push(format!(".{ending}"));
             self.reads(Path::new(&name))?;

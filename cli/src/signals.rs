@@ -1,7 +1,36 @@
 //! Being told to stop: files that are not whole yet are taken away first, then the program ends as it would have without.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 #[cfg(unix)]
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+
+/// Whether somebody would end on the first interrupt of their own accord, and whether there was one.
+static WAITED_FOR: AtomicBool = AtomicBool::new(false);
+static ASKED: AtomicBool = AtomicBool::new(false);
+
+/// The first interrupt does not end the program as long as this lives: whoever holds it comes to an end with what there is. The next one
+/// does.
+pub(crate) struct FirstInterrupt(());
+
+/// Waits for the first interrupt.
+pub(crate) fn first_interrupt() -> FirstInterrupt {
+    WAITED_FOR.store(true, Ordering::Relaxed);
+    FirstInterrupt(())
+}
+
+impl FirstInterrupt {
+    /// Whether there was one.
+    pub(crate) fn asked(&self) -> bool {
+        ASKED.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for FirstInterrupt {
+    fn drop(&mut self) {
+        WAITED_FOR.store(false, Ordering::Relaxed);
+    }
+}
 
 /// Begins to listen. What was ignored when the program was started, as `nohup` and shells do for what runs in the background, stays
 /// ignored.
@@ -10,7 +39,11 @@ pub(crate) fn listen() {
     let listening = || {
         let heard = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| !is_ignored(*signal));
         let Ok(mut signals) = signal_hook::iterator::Signals::new(heard) else { return };
-        if let Some(signal) = signals.forever().next() {
+        for signal in signals.forever() {
+            if signal == SIGINT && WAITED_FOR.load(Ordering::Relaxed) && !ASKED.swap(true, Ordering::Relaxed)
+            {
+                continue;
+            }
             let _nobody_writes = crate::output::abandon();
             // ends the program
             let _ = signal_hook::low_level::emulate_default_handler(signal);

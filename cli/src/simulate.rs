@@ -88,13 +88,16 @@ impl Arguments {
             Simulation::new(&scenario, self.seed).map_err(|error| scenario::refused(None, error.faults))?;
 
         let description = simulation.description().clone();
-        let truth = simulation.truth().clone();
+        let mut truth = simulation.truth().clone();
         let samples = simulation.samples();
         if !folder.as_os_str().is_empty() {
             files.folder(folder)?;
         }
         let mut inputs = Inputs::new();
-        files.write(&path(".parquet"), |file| write_table(simulation, &description, &mut inputs, file))?;
+        files.write(&path(".parquet"), |file| {
+            truth = write_table(simulation, &description, &mut inputs, file)?;
+            Ok(())
+        })?;
         files.write(&path(".toml"), |file| file.write_all(description.to_toml().as_bytes()))?;
         files.write(&path(".truth.json"), |file| file.write_all(truth.to_json().as_bytes()))?;
         let verdict = format!("unit {}, {samples} samples in {:.0} s", self.seed, scenario.duration());
@@ -122,7 +125,7 @@ const OURS: [(&str, IsOurs); 4] = [
     (".parquet", |path| Ok(holds(&part(path, true)?, Description::MARK))),
     (".truth.json", |path| {
         let truth: BTreeMap<String, Vec<f64>> = serde_json::from_slice(&part(path, false)?)?;
-        Ok(truth.keys().all(|name| sinscal::effect(name).is_some()))
+        Ok(truth.keys().all(|name| vocabulary().effect(name).is_ok()))
     }),
     (".html", |path| Ok(holds(&part(path, false)?, PAGE))),
 ];
@@ -201,13 +204,13 @@ fn columns(description: &Description) -> Vec<Column> {
     columns
 }
 
-/// Writes the samples as they are simulated: a batch is all that is held.
+/// Writes the samples as they are simulated: a batch is all that is held. Returns the truth at the end.
 fn write_table(
     simulation: Simulation,
     description: &Description,
     inputs: &mut Inputs,
     file: &mut (dyn Write + Send),
-) -> io::Result<()> {
+) -> io::Result<Truth> {
     let columns = columns(description);
     let cells = |piece: &[Sample]| -> Vec<table::Column> {
         let cells = |of: &dyn Fn(&Sample) -> f64| Cells::Numbers(piece.iter().map(of).collect());
@@ -226,7 +229,8 @@ fn write_table(
         bar.inc(piece.len() as u64);
     }
     bar.finish_and_clear();
-    writer.finish()
+    writer.finish()?;
+    Ok(samples.truth().clone())
 }
 
 #[cfg(test)]

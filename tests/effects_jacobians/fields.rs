@@ -55,6 +55,16 @@ impl Inputs for Signals<f64> {
             dither: random.vector(0.05).abs(),
             coupled_dither: random.vector(0.05).abs(),
             time: 1800.0 * (random.unit() + 1.0),
+            up: random.vector(1.0),
+            earth_rate: random.vector(7e-5),
+            earth_turn: random.vector(7e-5),
+            gravity: 9.8 + 0.03 * random.unit(),
+            gravity_by_latitude: 0.05 * random.unit(),
+            gravity_by_height: -3e-6 * (1.0 + 0.1 * random.unit()),
+            gyro_temperature_rate: random.vector(0.1),
+            temperature_slope: random.vector(1e-3),
+            gyro_temperature_slope: random.vector(1e-6),
+            arms: random.vector(0.1),
             open: OpenBlocks::NONE,
         }
     }
@@ -72,6 +82,16 @@ impl Inputs for Signals<f64> {
             dither: v,
             coupled_dither: v,
             time: f64::NAN,
+            up: v,
+            earth_rate: v,
+            earth_turn: v,
+            gravity: f64::NAN,
+            gravity_by_latitude: f64::NAN,
+            gravity_by_height: f64::NAN,
+            gyro_temperature_rate: v,
+            temperature_slope: v,
+            gyro_temperature_slope: v,
+            arms: v,
             open: OpenBlocks::NONE,
         }
     }
@@ -89,9 +109,22 @@ impl Inputs for Signals<f64> {
             dither,
             coupled_dither,
             time,
+            up,
+            earth_rate,
+            earth_turn,
+            gravity,
+            gravity_by_latitude,
+            gravity_by_height,
+            gyro_temperature_rate,
+            temperature_slope,
+            gyro_temperature_slope,
+            arms,
             open: _,
         } = self;
         visit("time".to_owned(), time);
+        visit("gravity".to_owned(), gravity);
+        visit("gravity_by_latitude".to_owned(), gravity_by_latitude);
+        visit("gravity_by_height".to_owned(), gravity_by_height);
         let vectors = [
             ("rate", rate),
             ("angular_acceleration", angular_acceleration),
@@ -102,6 +135,13 @@ impl Inputs for Signals<f64> {
             ("gyro_temperature", gyro_temperature),
             ("dither", dither),
             ("coupled_dither", coupled_dither),
+            ("up", up),
+            ("earth_rate", earth_rate),
+            ("earth_turn", earth_turn),
+            ("gyro_temperature_rate", gyro_temperature_rate),
+            ("temperature_slope", temperature_slope),
+            ("gyro_temperature_slope", gyro_temperature_slope),
+            ("arms", arms),
         ];
         visit_vectors(vectors, visit);
     }

@@ -52,6 +52,12 @@ pub(crate) fn residuals(name: &str, at: &Point<f64>, delta: &[f64]) -> Vec<f64> 
             let (v, p) = (at.point_velocity, at.point_position);
             stack(tilted * v - v, tilted * p - p, attitude_residual(&(tilted * c), &c))
         }
+        "reference-scale" => {
+            let scaled = |s: f64| (at.point_velocity * (1.0 + s), at.point_position * (1.0 + s));
+            let s = 1e-4;
+            let ((v, p), (v_ref, p_ref)) = (scaled(s - delta[0]), scaled(s));
+            stack(v - v_ref, p - p_ref, none)
+        }
         _ => vec![0.0; 9],
     }
 }

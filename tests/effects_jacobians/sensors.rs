@@ -14,7 +14,7 @@ pub(crate) fn error(name: &str, s: &Signals<f64>, p: &[f64]) -> Vec<f64> {
     let (gyros, accelerometers) = match name {
         "gyro-scale" => (Matrix3::from_diagonal(&v(p)) * w, none),
         "gyro-misalignment" => (Matrix3::new(0.0, 0.0, 0.0, p[0], 0.0, 0.0, p[1], p[2], 0.0) * w, none),
-        "gyro-bias" => (v(p), none),
+        "gyro-bias" | "gyro-bias-wander" | "gyro-bias-random-walk" => (v(p), none),
         "gyro-temperature-bias" => (times(s.gyro_temperature), none),
         "gyro-g-sensitivity" => (times(f), none),
         "gyro-scale-asymmetry" => (times(w.abs()), none),
@@ -22,7 +22,7 @@ pub(crate) fn error(name: &str, s: &Signals<f64>, p: &[f64]) -> Vec<f64> {
         "gyro-bias-drift" => (s.time * v(p), none),
         "accel-scale" => (none, Matrix3::from_diagonal(&v(p)) * f),
         "accel-misalignment" => (none, Matrix3::new(0.0, p[0], p[1], p[2], 0.0, p[3], p[4], p[5], 0.0) * f),
-        "accel-bias" => (none, v(p)),
+        "accel-bias" | "accel-bias-wander" | "accel-bias-random-walk" => (none, v(p)),
         "accel-quadratic" => (none, times(f.map(|x| x.powi(2)))),
         "accel-cubic" => (none, times(f.map(|x| x.powi(3)))),
         "accel-scale-asymmetry" => (none, times(f.map(f64::abs))),
@@ -48,7 +48,39 @@ pub(crate) fn error(name: &str, s: &Signals<f64>, p: &[f64]) -> Vec<f64> {
             let r = [[p[0], 0.0, 0.0], [0.0, p[1], 0.0], [0.0, 0.0, p[2]]];
             (none, size_effect(s, &s.dither, r) - size_effect(s, &none, r))
         }
-        "outer-lever-arm" | "reference-delay" | "reference-misalignment" | "reference-tilt" => (none, none),
+        // in a stamped second the Earth turns and gravity pulls for 1 + c seconds
+        "clock-scale" => {
+            (s.earth_rate * (1.0 + p[0]) - s.earth_rate, s.up * (s.gravity * (1.0 + p[0]) - s.gravity))
+        }
+        "site-latitude" => {
+            (s.earth_turn * p[0].sin(), s.up * (s.gravity + s.gravity_by_latitude * p[0]) - s.up * s.gravity)
+        }
+        "site-height" => (none, s.up * s.gravity_by_height * p[0]),
+        "site-gravity" => (none, s.up * ((s.gravity + p[0]) - s.gravity)),
+        // the errors that are modelled are those of the temperature that is read, the true ones those of the temperature
+        "thermometer-lag" => (
+            s.gyro_temperature_slope.component_mul(&(s.gyro_temperature_rate * p[1])),
+            s.temperature_slope.component_mul(&(s.temperature_rate * p[0])),
+        ),
+        "thermometer-scale" => {
+            let true_of = |read: &Vector3<f64>, s: f64| read / (1.0 + s);
+            (
+                s.gyro_temperature_slope
+                    .component_mul(&(true_of(&s.gyro_temperature, p[1]) - s.gyro_temperature)),
+                s.temperature_slope.component_mul(&(true_of(&s.temperature, p[0]) - s.temperature)),
+            )
+        }
+        "thermometer-offset" => (s.gyro_temperature_slope * -p[1], s.temperature_slope * -p[0]),
+        "dither-scale" => {
+            let r = [[s.arms.x, 0.0, 0.0], [0.0, s.arms.y, 0.0], [0.0, 0.0, s.arms.z]];
+            let felt = s.coupled_dither.component_div(&v(p).map(|k| (1.0 + k).powi(2)));
+            (none, size_effect(s, &felt, r) - size_effect(s, &s.coupled_dither, r))
+        }
+        "reference-scale"
+        | "outer-lever-arm"
+        | "reference-delay"
+        | "reference-misalignment"
+        | "reference-tilt" => (none, none),
         _ => panic!("no model of {name}"),
     };
     gyros.iter().chain(&accelerometers).copied().collect()

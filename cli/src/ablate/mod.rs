@@ -15,7 +15,7 @@ use sinscal::PAPER;
 use crate::arguments::{self, ALIGNMENT, LogArgument, Results, alignment};
 use crate::navigate::{errors, fly, section};
 use crate::origin::{Documented as _, inputs};
-use crate::setup;
+use crate::setup::{self, Beginning};
 use crate::source::{Source, fault};
 use crate::vocabulary::vocabulary;
 use reports::{Cell, Report as Page, Section, Table, Tone, number, text};
@@ -34,6 +34,8 @@ With --out: report.html, ablation.json, ablation.txt, errors.csv (errors over ti
 pub(crate) struct Arguments {
     #[command(flatten)]
     log: LogArgument,
+    #[command(flatten)]
+    beginning: Beginning,
     /// A log to navigate on with each calibration
     #[arg(long, value_name = "LOG")]
     swing: Option<PathBuf>,
@@ -72,7 +74,9 @@ struct Row {
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let mut target = self.results.target()?;
-        let log = self.log.open()?;
+        let filters = paper()?;
+        let Some(first) = filters.first() else { return Ok(()) };
+        let log = self.log.open_for(&**first, self.beginning)?;
         target.reads_log(&log)?;
         let swing = self
             .swing
@@ -80,7 +84,6 @@ impl Arguments {
             .map(|swing| arguments::open(swing, &self.log.columns.reading()))
             .transpose()?;
         swing.iter().try_for_each(|swing| target.reads_log(swing))?;
-        let filters = paper()?;
         let outcomes = calibrate(&log, &filters, self.passes)?;
         let calibrated = |(filter, outcome): (&Arc<dyn AnyFilter>, &Outcome)| Calibrated {
             filter: filter.clone(),
@@ -136,7 +139,7 @@ fn calibrate(log: &Log, filters: &[Arc<dyn AnyFilter>], passes: u32) -> Result<V
     let setup = setup::of(log, setup::initial(log)?);
     let filters: Vec<&dyn AnyFilter> = filters.iter().map(|filter| &**filter).collect();
     let Some(first) = filters.first() else { return Ok(Vec::new()) };
-    let options = Options { passes, ..Options::of(*first) };
+    let options = Options { passes, coarse: log.coarse().cloned(), ..Options::of(*first) };
     let source = Source::new(log, "calibrating");
     calibrate_all(&filters, &source, &setup, &options, &mut ()).map_err(|error| fault(log, error))
 }
@@ -230,4 +233,45 @@ fn table(report: &Report) -> String {
         );
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(filter: &str, nis_per_dof: f64, largest: Option<f64>, fits: bool) -> Row {
+        Row {
+            filter: filter.into(),
+            states: 36,
+            nis_per_dof,
+            max_horizontal_nmi: largest,
+            final_horizontal_nmi: largest,
+            log_likelihood: 0.0,
+            updates: 1,
+            fits,
+            verdict: "",
+        }
+    }
+
+    fn said(filters: [Row; 3]) -> String {
+        verdict(&Report { filters: filters.into(), passes: 2, hours: Some(4.0), alignment_s: None })
+    }
+
+    #[test]
+    fn the_best_navigates_with_the_smallest_error() {
+        let text = said([
+            row("a", 1.0, Some(0.9), true),
+            row("b", 3.0, Some(0.2), false),
+            row("c", 1.0, Some(0.5), true),
+        ]);
+        assert!(text.starts_with("b navigates best: at most 0.200 nautical miles in 4.00 h"), "{text}");
+    }
+
+    #[test]
+    fn the_best_fits_nearest_to_one_on_either_side() {
+        let text = said([row("a", 1.4, None, false), row("b", 0.9, None, true), row("c", 0.2, None, true)]);
+        assert!(text.starts_with("b fits best"), "{text}");
+        let text = said([row("a", 1.4, None, false), row("b", 0.1, None, false), row("c", 5.0, None, false)]);
+        assert!(text.starts_with("none of them is shown to fit; a comes nearest"), "{text}");
+    }
 }

@@ -2,12 +2,13 @@
 
 use std::time::Duration;
 
+use logs::units::DEGREE;
 use logs::{Bridged, Log};
 use miette::{IntoDiagnostic, Result};
 use nalgebra::{UnitQuaternion, Vector3};
-use runs::{AnyFilter, Options, Outcome, Stretch};
+use runs::{AnyFilter, Exact, Options, Outcome, Pass, Stretch};
 use serde::Serialize;
-use sinscal::{CoarseCalibration, Smoothed};
+use sinscal::{CoarseCalibration, Parameter, SiteShown, Smoothed};
 
 /// `calibrate --json`.
 #[derive(Serialize)]
@@ -19,6 +20,9 @@ pub(super) struct Report {
     /// Blocks that were left out of it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     without: Vec<&'static str>,
+    /// Blocks whose states were considered.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    considered: Vec<&'static str>,
     states: usize,
     samples: u64,
     duration_s: f64,
@@ -27,7 +31,11 @@ pub(super) struct Report {
     verdict: &'static str,
     parameters: Vec<ParameterReport>,
     r#final: Final,
-    passes: u32,
+    /// What was found pass by pass, and by the shortened steps where a pass made it worse.
+    passes: Vec<Pass>,
+    /// By how many standard deviations another pass would move what moves most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    passes_agree_to_sigma: Option<f64>,
     form: &'static str,
     updates: usize,
     rejected: usize,
@@ -43,12 +51,39 @@ pub(super) struct Report {
     /// What stands for a reference, and for what the description leaves open; in sentences.
     #[serde(skip_serializing_if = "<[String]>::is_empty")]
     assumed: Vec<String>,
+    /// What rests in several positions show of the site.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    site_shown: Option<SiteReport>,
+    /// What was taken as exact, and what the largest of it would do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    taken_as_exact: Option<String>,
     /// What the coarse stage took out of the samples; it is contained in the parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
     coarse: Option<CoarseReport>,
     /// The smoothed navigation solution at the first update, with `--smooth`.
     #[serde(skip_serializing_if = "Option::is_none")]
     smoothed_start: Option<Final>,
+}
+
+/// Values and standard deviations.
+#[derive(Serialize)]
+struct SiteReport {
+    positions: usize,
+    latitude_deg: [f64; 2],
+    earth_rate_deg_h: [f64; 2],
+    gravity_m_s2: [f64; 2],
+}
+
+impl SiteReport {
+    fn new(shown: &SiteShown) -> Self {
+        let of = |(value, sigma): (f64, f64), scale: f64| [value / scale, sigma / scale];
+        Self {
+            positions: shown.positions,
+            latitude_deg: of(shown.latitude, DEGREE),
+            earth_rate_deg_h: of(shown.earth_rate, DEGREE / 3600.0),
+            gravity_m_s2: of(shown.gravity, 1.0),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -90,15 +125,36 @@ impl CoarseReport {
 
 /// One parameter; what the data cannot show has no value.
 #[derive(Serialize)]
-struct ParameterReport {
+pub(super) struct ParameterReport {
     name: &'static str,
     component: &'static str,
     value: Option<f64>,
+    /// The one to rely on.
     sigma: Option<f64>,
+    /// That of the filter, were its model and noise exact.
+    sigma_formal: Option<f64>,
+    /// Between the halves of the log, in stated sigmas.
+    halves: Option<f64>,
     unit: &'static str,
     prior_sigma: f64,
     converged_s: Option<f64>,
     estimated: bool,
+    /// Between which values it went since it converged, where it changes in the course of a run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range: Option<[f64; 2]>,
+    /// What the sigma is made of, where something is considered.
+    #[serde(flatten)]
+    budget: Option<super::budget::Entry>,
+    /// Wander of the biases over an hour that would double the sigma, where it was taken to be none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    doubled_by_wander: Option<Doubled>,
+}
+
+/// Standard deviations of Gauss-Markov processes.
+#[derive(Serialize)]
+struct Doubled {
+    gyro_rad_s: Option<f64>,
+    accel_m_s2: Option<f64>,
 }
 
 /// The navigation solution at one instant.
@@ -119,6 +175,49 @@ impl Final {
     }
 }
 
+/// The passes; where nobody asked whether they agree they were all kept.
+fn passes(options: &Options, outcome: &Outcome) -> Vec<Pass> {
+    if outcome.passes.is_empty() {
+        return vec![Pass { log_posterior: None, kept: true }; options.passes as usize];
+    }
+    outcome.passes.clone()
+}
+
+impl ParameterReport {
+    fn new(index: usize, parameter: &Parameter, filter: &dyn AnyFilter, outcome: &Outcome) -> Self {
+        let repeat = outcome.repeat.as_ref();
+        let known = |value: f64| parameter.estimated.then_some(value);
+        let factor = repeat.map_or(1.0, |repeat| repeat.factors[index]);
+        Self {
+            halves: repeat.and_then(|repeat| repeat.halves[index]).and_then(known),
+            converged_s: outcome.converged(index).and_then(known),
+            range: outcome.range(index, |name| filter.changes(name)).map(|(least, most)| [least, most]),
+            budget: if parameter.estimated { super::budget::Entry::of(outcome, index) } else { None },
+            ..Self::stated(parameter, factor)
+        }
+    }
+
+    /// With the factor by which the stated sigma is larger than the formal one.
+    pub(super) fn stated(parameter: &Parameter, factor: f64) -> Self {
+        let known = |value: f64| parameter.estimated.then_some(value);
+        Self {
+            name: parameter.info.block,
+            component: parameter.info.component,
+            value: known(parameter.value),
+            sigma: known(parameter.sigma),
+            sigma_formal: known(parameter.sigma / factor),
+            halves: None,
+            unit: parameter.info.unit,
+            prior_sigma: parameter.prior_sigma,
+            converged_s: None,
+            estimated: parameter.estimated,
+            range: None,
+            budget: None,
+            doubled_by_wander: None,
+        }
+    }
+}
+
 impl Report {
     pub(super) fn new(
         log: &Log,
@@ -128,25 +227,18 @@ impl Report {
         bridged: Bridged,
         wall: Duration,
     ) -> Self {
-        let parameters = outcome.parameters.iter().enumerate().map(|(index, parameter)| {
-            let known = |value: f64| parameter.estimated.then_some(value);
-            ParameterReport {
-                name: parameter.info.block,
-                component: parameter.info.component,
-                value: known(parameter.value),
-                sigma: known(parameter.sigma),
-                unit: parameter.info.unit,
-                prior_sigma: parameter.prior_sigma,
-                converged_s: outcome.converged(index).and_then(known),
-                estimated: parameter.estimated,
-            }
-        });
+        let parameters = outcome
+            .parameters
+            .iter()
+            .enumerate()
+            .map(|(index, parameter)| ParameterReport::new(index, parameter, filter, outcome));
         let start = outcome.smoothed.as_ref().and_then(|smoothed| smoothed.first());
         let site = &log.description().site;
         Self {
             filter: filter.name(),
             with: filter.with(),
             without: filter.without(),
+            considered: filter.considers(),
             states: outcome.states,
             samples: outcome.samples - bridged.rows,
             duration_s: outcome.duration,
@@ -155,7 +247,8 @@ impl Report {
             verdict: outcome.verdict().name(),
             parameters: parameters.collect(),
             r#final: Final::new(&outcome.attitude, outcome.position, outcome.velocity),
-            passes: options.passes,
+            passes: passes(options, outcome),
+            passes_agree_to_sigma: outcome.moved,
             form: options.form.name(),
             updates: outcome.statistics.updates,
             rejected: outcome.statistics.rejected,
@@ -167,11 +260,29 @@ impl Report {
             log: log.table().display().to_string(),
             reference_temperature_c: log.description().reference_temperature,
             assumed: log.assumed().to_vec(),
+            site_shown: outcome.site.as_ref().map(SiteReport::new),
+            taken_as_exact: None,
             coarse: log.coarse().map(CoarseReport::new),
             smoothed_start: start.map(|Smoothed { navigation, .. }| {
                 Final::new(&navigation.attitude, navigation.position(site), navigation.velocity)
             }),
         }
+    }
+
+    /// With what was assumed of what is considered.
+    pub(super) fn assuming(mut self, assumed: Vec<String>) -> Self {
+        self.assumed.extend(assumed);
+        self
+    }
+
+    /// With what was taken as exact.
+    pub(super) fn with_exact(mut self, outcome: &Outcome, exact: &Exact) -> Self {
+        self.taken_as_exact = super::budget::exact(outcome, exact);
+        for (i, parameter) in self.parameters.iter_mut().enumerate().filter(|(_, p)| p.estimated) {
+            let [gyro, accel] = exact.doubled_by(outcome, i);
+            parameter.doubled_by_wander = Some(Doubled { gyro_rad_s: gyro, accel_m_s2: accel });
+        }
+        self
     }
 
     /// The document, with a line end.

@@ -2,13 +2,13 @@
 
 use logs::Log;
 use miette::Result;
-use runs::{AnyFilter, Options, Outcome};
-use sinscal::StateInfo;
+use runs::{AnyFilter, Exact, Options, Outcome};
+use sinscal::{Parameter, StateInfo};
 
-use super::text;
+use super::{budget, text};
 use crate::origin::{Documented as _, inputs};
 use reports::figures::significant;
-use reports::{Report, Tone, parts};
+use reports::{Item, Report, Tone, parts};
 
 use crate::origin;
 
@@ -18,11 +18,21 @@ pub(super) fn report(
     filter: &dyn AnyFilter,
     options: &Options,
     outcome: &Outcome,
+    exact: Option<&Exact>,
 ) -> Result<Report> {
     let known = origin::truth_beside(log)?;
     let of = known.as_ref().map(|truth| move |info: &StateInfo| truth.of(info));
     let truth = of.as_ref().map(|of| of as &dyn Fn(&StateInfo) -> f64);
-    let (parameters, history) = (&outcome.parameters, &outcome.history);
+    // what is considered was not estimated: it stands in the budget
+    let considered = filter.considers();
+    let (places, parameters): (Vec<usize>, Vec<Parameter>) = outcome
+        .parameters
+        .iter()
+        .copied()
+        .enumerate()
+        .filter(|(_, parameter)| !considered.contains(&parameter.info.block))
+        .unzip();
+    let parameters = &parameters;
     let lever = log.description().outer_lever;
     let centre = |info: &StateInfo| match (info.block, info.component) {
         ("outer-lever-arm", component) => {
@@ -32,13 +42,15 @@ pub(super) fn report(
     };
     let estimated = parameters.iter().filter(|parameter| parameter.estimated).count();
     let statistics = &outcome.statistics;
+    let updates = match statistics.rejected {
+        0 => statistics.updates.to_string(),
+        rejected => format!("{}, {rejected} outliers left out", statistics.updates),
+    };
     let mut facts = vec![
         ("NIS per degree of freedom".into(), format!("{:.3}", statistics.nis_per_dof())),
         ("parameters estimated".into(), format!("{estimated} of {}", parameters.len())),
-        ("updates".into(), statistics.updates.to_string()),
-        ("outliers rejected".into(), statistics.rejected.to_string()),
+        ("updates".into(), updates),
         ("duration".into(), format!("{:.0} s", outcome.duration)),
-        ("log-likelihood".into(), format!("{:.1}", statistics.log_likelihood)),
     ];
     if let Some(truth) = truth {
         let errors =
@@ -46,12 +58,13 @@ pub(super) fn report(
         let largest = study::statistics::largest(errors);
         facts.push(("largest error against the truth".into(), format!("{} sigma", significant(largest))));
     }
-    let mut sections = vec![
-        parts::numbers(parameters, &|i| outcome.converged(i), truth),
-        parts::forest(parameters, &centre, truth),
-        parts::convergence(parameters, history, truth),
-    ];
+    let mut numbers = parts::numbers(parameters, &|i| outcome.converged(places[i]), truth);
+    let limits = exact.map(|exact| [budget::exact(outcome, exact), budget::wander(outcome, exact)]);
+    numbers.items.extend(limits.into_iter().flatten().flatten().map(Item::text));
+    let mut sections = vec![parts::forest(parameters, &centre, truth), numbers];
+    sections.extend(budget::section(outcome));
     sections.extend(outcome.residuals.as_deref().map(|channels| parts::residuals("Residuals", "", channels)));
+    sections.push(parts::convergence(parameters, &places, &outcome.history, truth));
     sections.push(inputs(log)?.section());
     let report = Report {
         title: format!("Calibration of {} with {}", log.table().display(), filter.title()),
@@ -71,6 +84,7 @@ pub(super) fn report(
         .with_program()
         .with("filter", format!("{}: {} states, measures {measures}", filter.title(), outcome.states))
         .with("passes", options.passes.to_string())
+        .with("log-likelihood", format!("{:.1}", statistics.log_likelihood))
         .with("covariance", options.form.name())
         .with_log(log))
 }

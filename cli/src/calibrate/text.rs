@@ -4,9 +4,10 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::time::Duration;
 
+use logs::units::{DEGREE, MICRO_G};
 use logs::{Bridged, Log};
-use runs::{Look, Outcome, Verdict};
-use sinscal::{CoarseCalibration, Parameter, Site, Smoothed};
+use runs::{AnyFilter, Look, Outcome, Verdict};
+use sinscal::{CoarseCalibration, Parameter, Site, SiteFault, Smoothed, earth};
 
 use reports::figures::{decimals, significant};
 
@@ -14,9 +15,6 @@ use reports::figures::{decimals, significant};
 const DESCRIBED: usize = 20;
 /// Shares of the reference left out that deserve a word: in a single pass, and where a pass before has shown what is usual.
 const MANY_LEFT_OUT: [f64; 2] = [0.02, 0.1];
-
-/// 1 ug in m/s^2.
-const MICRO_G: f64 = 9.80665e-6;
 
 /// What to say where much of the reference was left out, and what to do about it.
 pub(super) fn doubt(outcome: &Outcome, passes: u32) -> Option<String> {
@@ -63,6 +61,44 @@ fn elsewhere(outcome: &Outcome) -> String {
     )
 }
 
+/// What rests in several positions say of the site, against what is stated.
+fn site_shown(text: &mut String, outcome: &Outcome, site: &Site) {
+    let Some(shown) = &outcome.site else { return };
+    let of = |(value, sigma): (f64, f64), scale: f64, stated: f64| {
+        let digits = decimals(sigma / scale);
+        format!(
+            "{:.digits$} +- {:.digits$} (stated {:.digits$})",
+            value / scale,
+            sigma / scale,
+            stated / scale
+        )
+    };
+    // Writing to a string does not fail.
+    let _ = writeln!(
+        text,
+        "rests in {} positions show a latitude of {} deg, an Earth's rate of {} deg/h, gravity of {} m/s^2\n",
+        shown.positions,
+        of(shown.latitude, DEGREE, site.latitude),
+        of(shown.earth_rate, DEGREE / 3600.0, earth::ROTATION_RATE),
+        of(shown.gravity, 1.0, earth::gravity(site.latitude, site.height))
+    );
+}
+
+/// What to look at where they contradict each other.
+pub(super) fn site_fault(outcome: &Outcome) -> Option<&'static str> {
+    Some(match outcome.site_fault? {
+        SiteFault::Latitude => {
+            "the rests show another latitude than [site] states: look at latitude_deg, and whether the gyros feel the specific force"
+        }
+        SiteFault::Gravity => {
+            "the rests show another gravity than that of the site: look at height_m, and at the units and scale of the accelerometers"
+        }
+        _ => {
+            "the rests show another rate of the Earth: look at the clock (imu.rate_hz, stamps), and at the units and scale of the gyros"
+        }
+    })
+}
+
 /// What the samples themselves say, and a reader of the results should know; `failed` says that they do not go together with the
 /// filter. A sensor that reads nothing but 0 may be an ideal one at rest, as long as it contradicts nothing.
 pub(crate) fn oddities(look: &Look, failed: bool) -> Vec<String> {
@@ -82,6 +118,16 @@ pub(crate) fn oddities(look: &Look, failed: bool) -> Vec<String> {
         ));
     }
     said
+}
+
+/// A reference whose stamps are off by so much, s.
+pub(super) fn late(by: f64) -> String {
+    format!(
+        "the reference shows what the inertial sensors show {:.0} ms {}: its stamps are suspect; `sinscal diagnose` takes such a delay out and \
+         tells it to a millisecond or so",
+        1e3 * by.abs(),
+        if by > 0.0 { "earlier" } else { "later" }
+    )
 }
 
 /// Whether the filter explains the data, in one line.
@@ -105,11 +151,30 @@ pub(super) fn verdict(outcome: &Outcome) -> String {
     if statistics.repeated > 0 {
         let _ = write!(text, ", {} readings that only repeat the one before", statistics.repeated);
     }
+    if let Some(moved) = outcome.moved {
+        // further digits say nothing
+        let _ = match outcome.verdict() {
+            Verdict::PassesDisagree => {
+                write!(text, "; it would move something by {} sigma", significant(moved))
+            }
+            _ if moved > 1.0 => {
+                write!(text, "; passes agree only to {} sigma, which the sigmas contain", significant(moved))
+            }
+            _ => write!(text, "; passes agree to {} sigma", significant(moved.max(0.01))),
+        };
+    }
     text
 }
 
 /// Verdict, parameters and final state. Writing to a string does not fail.
-pub(super) fn table(log: &Log, outcome: &Outcome, bridged: Bridged, wall: Duration) -> String {
+pub(super) fn table(
+    log: &Log,
+    filter: &dyn AnyFilter,
+    outcome: &Outcome,
+    bridged: Bridged,
+    wall: Duration,
+) -> String {
+    let considered = filter.considers();
     let mut text = verdict(outcome) + "\n";
     let _ = writeln!(
         text,
@@ -121,26 +186,35 @@ pub(super) fn table(log: &Log, outcome: &Outcome, bridged: Bridged, wall: Durati
     if let Some(coarse) = log.coarse() {
         coarse_stage(&mut text, coarse);
     }
+    site_shown(&mut text, outcome, &log.description().site);
     let _ = writeln!(
         text,
-        "{:30} {:>14}   {:10} {:10} {:>11}  {:>10}",
-        "parameter", "estimate", "+- sigma", "unit", "prior sigma", "converged"
+        "{:30} {:>14}   {:10} {:10} {:>11}  {:>10}  {:>6}",
+        "parameter", "estimate", "+- sigma", "unit", "prior sigma", "converged", "halves"
     );
     for (index, parameter) in outcome.parameters.iter().enumerate() {
         let info = &parameter.info;
         let name = format!("{} {}", info.block, info.component);
-        let [estimate, sigma] = figures(parameter);
+        let [mut estimate, sigma] = figures(parameter);
+        if considered.contains(&info.block) {
+            estimate = "considered".into();
+        }
         let converged = match outcome.converged(index) {
             Some(time) if parameter.estimated => format!("{time:.0} s"),
             _ => "-".into(),
         };
+        let halves = outcome.repeat.as_ref().and_then(|repeat| repeat.halves[index]);
+        let halves =
+            halves.filter(|_| parameter.estimated).map_or("-".into(), |halves| format!("{halves:.1}"));
         let prior = significant(parameter.prior_sigma / info.sheet_scale);
         let _ = writeln!(
             text,
-            "{name:30} {estimate:>14}   {sigma:10} {:10} {prior:>11}  {converged:>10}",
+            "{name:30} {estimate:>14}   {sigma:10} {:10} {prior:>11}  {converged:>10}  {halves:>6}",
             info.sheet_unit
         );
     }
+    ranges(&mut text, filter, outcome);
+    repeatability(&mut text, outcome);
     refusals(&mut text, outcome);
     let attitude = outcome.attitude.quaternion();
     let (position, velocity) = (&outcome.position, &outcome.velocity);
@@ -155,6 +229,48 @@ pub(super) fn table(log: &Log, outcome: &Outcome, bridged: Bridged, wall: Durati
         position.x, position.y, position.z, velocity.x, velocity.y, velocity.z
     );
     text
+}
+
+/// Between which values went what changes in the course of the run.
+fn ranges(text: &mut String, filter: &dyn AnyFilter, outcome: &Outcome) {
+    let mut head = "\nin the course of the run, since it converged:\n";
+    for (index, parameter) in outcome.parameters.iter().enumerate() {
+        let Some((least, most)) = outcome.range(index, |name| filter.changes(name)) else { continue };
+        let info = &parameter.info;
+        let digits = decimals(parameter.sigma / info.sheet_scale);
+        let of = |value: f64| format!("{:.digits$}", value / info.sheet_scale);
+        let name = format!("{} {}", info.block, info.component);
+        let _ = writeln!(text, "{head}{name:30} from {} to {} {}", of(least), of(most), info.sheet_unit);
+        head = "";
+    }
+}
+
+/// What the sigmas are, and how the halves of the log compare.
+fn repeatability(text: &mut String, outcome: &Outcome) {
+    let Some(repeat) = &outcome.repeat else { return };
+    let halves: Vec<f64> = repeat.halves.iter().flatten().copied().collect();
+    if !halves.is_empty() {
+        let rms = (halves.iter().map(|half| half * half).sum::<f64>() / halves.len() as f64).sqrt();
+        let _ = writeln!(
+            text,
+            "\nhalves: how many sigmas lie between the estimates of the two halves of the log; {rms:.2} rms"
+        );
+    }
+    let most = repeat.scatter.iter().filter(|scatter| scatter.is_more());
+    // where something is considered the budget says it
+    if outcome.budget.is_empty()
+        && let Some(most) = most.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
+    {
+        let largest = repeat.factors.iter().fold(1.0_f64, |largest, factor| largest.max(*factor));
+        let _ = writeln!(
+            text,
+            "sigmas are larger than the filter's own, by up to {largest:.1}: {} stretches of the log differ {:.1} times as much as its noise allows \
+             (chance: {:.1})",
+            most.stretches,
+            most.ratio.sqrt(),
+            most.limit.sqrt()
+        );
+    }
 }
 
 /// What the coarse stage found.
@@ -203,7 +319,7 @@ fn refusals(text: &mut String, outcome: &Outcome) {
 }
 
 /// Estimate and sigma in data-sheet units, to two figures of the sigma.
-fn figures(parameter: &Parameter) -> [String; 2] {
+pub(super) fn figures(parameter: &Parameter) -> [String; 2] {
     if !parameter.estimated {
         return ["not estimated".into(), String::new()];
     }

@@ -22,6 +22,8 @@ pub(super) fn report(story: &Story) -> Report {
         Some(after) => format!("{} to {} nmi", miles(&story.before), miles(after)),
         None => format!("{} nmi", miles(&story.before)),
     };
+    // the story has been told: its worth stands where a second log would be mentioned
+    page.facts.pop();
     page.facts
         .push((format!("largest error in {:.0} h of navigation", story.before.flight.hours()), navigation));
     let mut sections = vec![what_happened(story)];
@@ -38,26 +40,21 @@ pub(super) fn report(story: &Story) -> Report {
     let tracks = [("before", Some(&story.before)), ("after", story.after.as_ref())];
     let tracks = tracks.into_iter().filter_map(|(name, fit)| Some((name, fit?.flight.track.as_slice())));
     sections.push(parts::navigation(tracks));
-    sections.push(parts::numbers(&last.outcome.parameters, &|i| last.outcome.converged(i), truth));
-    sections.push(parts::forest(&last.outcome.parameters, &|_| 0.0, truth));
-    sections.push(parts::convergence(&last.outcome.parameters, &last.outcome.history, truth));
-    if let Some(after) = &story.after {
-        sections.push(parts::residuals(
-            "Residuals before",
-            "before-",
-            story.before.outcome.residuals.as_deref().unwrap_or_default(),
-        ));
-        sections.push(parts::residuals(
-            "Residuals after",
-            "after-",
-            after.outcome.residuals.as_deref().unwrap_or_default(),
-        ));
-    } else {
-        sections.push(parts::residuals(
-            "Residuals",
-            "",
-            story.before.outcome.residuals.as_deref().unwrap_or_default(),
-        ));
+    sections.push(parts::forest(&last.outcome.parameters, &|_| 0.0, truth).folded());
+    sections.push(parts::numbers(&last.outcome.parameters, &|i| last.outcome.converged(i), truth).folded());
+    let parameters = &last.outcome.parameters;
+    let places: Vec<usize> = (0..parameters.len()).collect();
+    sections.push(parts::convergence(parameters, &places, &last.outcome.history, truth));
+    let mut residuals = |title: &str, prefix: &str, fit: &Fit| {
+        let channels = fit.outcome.residuals.as_deref().unwrap_or_default();
+        sections.push(parts::residuals(title, prefix, channels).folded());
+    };
+    match &story.after {
+        Some(after) => {
+            residuals("Residuals before", "before-", &story.before);
+            residuals("Residuals after", "after-", after);
+        }
+        None => residuals("Residuals", "", &story.before),
     }
     sections.push(story.first.inputs().section());
     sections.extend(appendix);

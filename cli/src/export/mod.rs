@@ -1,5 +1,6 @@
 //! `sinscal export`: a calibration as files that other programs read.
 
+mod certificate;
 mod read;
 mod write;
 
@@ -17,11 +18,13 @@ Examples:
   sinscal export results/calibration.json --format rust --out src/calibration.rs
   sinscal export results/calibration.json --format matlab --out calibration.m
   sinscal export results/calibration.json --format yaml
+  sinscal export results/calibration.json --format certificate --out certificate.html
   sinscal export noise/noise.json --format kalibr --out imu.yaml
 
 Every number reads back to the same bits. Only what was estimated is written.";
 
-/// Write a calibration as YAML, MATLAB, C or Rust: values, sigmas, units and the equations that use them; or a noise for Kalibr
+/// Write a calibration as YAML, MATLAB, C or Rust: values, sigmas, units and the equations that use them; as a certificate; or a
+/// noise for Kalibr
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -47,6 +50,8 @@ enum Format {
     C,
     /// A module of constants
     Rust,
+    /// A page to be printed and signed: unit, run, conditions, values with their uncertainties, verdict, sums
+    Certificate,
     /// Kalibr's imu.yaml, of a noise
     Kalibr,
 }
@@ -82,12 +87,15 @@ impl Arguments {
                 "--format kalibr writes a noise; the others take what `sinscal calibrate --json` wrote";
             return Err(miette!(help = help, "{}: is a noise, a calibration was expected", path.display()));
         }
+        if let Format::Certificate = self.format {
+            return certificate::certificate(path);
+        }
         let calibration = read::read(path)?;
         Ok(match self.format {
             Format::Matlab => write::matlab(&calibration),
             Format::C => write::c(&calibration),
             Format::Rust => write::rust(&calibration),
-            Format::Yaml | Format::Kalibr => write::yaml(&calibration),
+            Format::Yaml | Format::Certificate | Format::Kalibr => write::yaml(&calibration),
         })
     }
 }

@@ -47,15 +47,7 @@ pub(super) fn read(path: &Path) -> Result<Calibration> {
     let mut effects: Vec<(&'static EffectInfo, Vec<Estimate>)> = Vec::new();
     for (index, (name, component, value)) in calibrated.values.into_iter().enumerate() {
         let Some(value) = value else { continue };
-        let sigma = match document["parameters"][index]["sigma"].as_f64() {
-            Some(sigma) if sigma.is_finite() && sigma > 0.0 => sigma,
-            _ => {
-                return Err(miette!(
-                    help = "a calibration is what `sinscal calibrate --json` writes",
-                    "{at}, field `parameters[{index}].sigma`: a number above 0 was expected for `{name} {component}`"
-                ));
-            }
-        };
+        let sigma = navigate::read::sigma(path, &document, index)?;
         let Ok(effect) = vocabulary().effect(&name) else {
             return Err(miette!(
                 help = "register it with the program: `.effect::<...>()`",

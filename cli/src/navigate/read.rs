@@ -103,6 +103,21 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Calibrated, Value), Fault> {
     Ok((Calibrated { filter: chosen, values, reference_temperature }, document))
 }
 
+/// The standard deviation of an estimated parameter, by its place in the list of a calibration that was read.
+pub(crate) fn sigma(path: &Path, document: &Value, index: usize) -> Result<f64> {
+    let parameter = &document["parameters"][index];
+    match parameter["sigma"].as_f64() {
+        Some(sigma) if sigma.is_finite() && sigma > 0.0 => Ok(sigma),
+        _ => Err(miette!(
+            help = "a calibration is what `sinscal calibrate --json` writes",
+            "{}, field `parameters[{index}].sigma`: a number above 0 was expected for `{} {}`",
+            path.display(),
+            parameter["name"].as_str().unwrap_or_default(),
+            parameter["component"].as_str().unwrap_or_default()
+        )),
+    }
+}
+
 /// A list of names, empty where there is none.
 fn names(document: &Value, field: &str) -> Result<Vec<String>, Fault> {
     let expected = || wrong(field, document.get(field), "a list of names");

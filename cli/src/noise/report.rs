@@ -5,9 +5,9 @@ use std::path::Path;
 use ::noise::Identified;
 use logs::Quiet;
 use miette::Result;
-use reports::{Curve, Figure, Item, Report, Section, Style, Table, Tone, text as words};
+use reports::{Curve, Figure, Item, Report, Section, Style, Table, Tone, number, text as words};
 
-use super::text::{CONSTANTS, DENSITIES, cells, taken};
+use super::text::{CONSTANTS, Cells, DENSITIES, cells, taken};
 use super::{Found, Sensor};
 use crate::origin::Documented as _;
 use crate::output::Files;
@@ -31,11 +31,19 @@ pub(super) fn write(
         let mut items = vec![Item::text(DENSITIES)];
         for (axis, channel) in AXES.into_iter().zip(channels) {
             for component in &channel.components {
-                let cells = cells(sensor, component);
-                rows.push([axis.to_owned()].into_iter().chain(cells).map(words).collect());
+                let Cells { title, sheet, si } = cells(sensor, component);
+                let si = format!("{} {}", si.value, si.unit);
+                rows.push(vec![
+                    words(axis),
+                    words(title),
+                    number(sheet.value),
+                    number(sheet.interval),
+                    words(sheet.unit),
+                    number(si),
+                ]);
             }
         }
-        let head = ["axis", "process", "data-sheet unit", "SI"];
+        let head = ["axis", "process", "value", "95 % interval", "unit", "SI"];
         items.push(Table::new("Noise processes and their 95 % intervals", &head, rows).into());
         items.extend(
             AXES.into_iter().zip(channels).map(|(axis, channel)| Item::LogLog(figure(sensor, axis, channel))),
@@ -81,7 +89,7 @@ fn figure(sensor: Sensor, axis: &str, channel: &Identified) -> Figure {
         let floor = 0.1 * curves[0].lowest();
         let seen: Vec<(f64, f64)> = alone.into_iter().filter(|(_, deviation)| *deviation > floor).collect();
         if seen.len() > 1 {
-            curves.push(Curve::new(name, Style::Dashed, seen));
+            curves.push(Curve::new(name, Style::Full, seen));
         }
     }
     Figure {

@@ -26,30 +26,54 @@ pub(super) fn verdict(found: &Found) -> String {
         sizes.collect::<Vec<_>>().join(" ")
     };
     format!(
-        "angle random walk {} deg/sqrt(h), velocity random walk {} ug/sqrt(Hz) (x y z), from {:.1} s of rest",
+        "Angle random walk {} deg/sqrt(h), velocity random walk {} ug/sqrt(Hz) (x y z), from {:.1} s of rest",
         white(0),
         white(1),
         found.duration()
     )
 }
 
-/// A value with its interval.
-fn interval(value: f64, (low, high): (f64, f64), shown: impl Fn(f64) -> String) -> String {
-    format!("{} ({} to {})", shown(value), shown(low), shown(high))
+/// A size as people read it.
+pub(super) struct Cells {
+    /// What the process is.
+    pub(super) title: String,
+    /// In the unit of data sheets, and in SI.
+    pub(super) sheet: Sized,
+    pub(super) si: Sized,
 }
 
-/// The cells of a process: name, value in the unit of data sheets, in SI.
-pub(super) fn cells(sensor: Sensor, component: &Component) -> [String; 3] {
+/// A value with its interval and unit.
+pub(super) struct Sized {
+    pub(super) value: String,
+    pub(super) interval: String,
+    pub(super) unit: &'static str,
+}
+
+impl Sized {
+    fn new(component: &Component, unit: &'static str, shown: impl Fn(f64) -> String) -> Self {
+        let (low, high) = component.size;
+        let interval = format!("{} to {}", shown(low), shown(high));
+        Self { value: shown(component.process.size), interval, unit }
+    }
+
+    fn line(&self) -> String {
+        format!("{} ({}) {}", self.value, self.interval, self.unit)
+    }
+}
+
+/// How a process reads.
+pub(super) fn cells(sensor: Sensor, component: &Component) -> Cells {
     let naming = sensor.naming(component.process.kind);
     let mut title = naming.title.to_owned();
     if let Some((time, (low, high))) = component.process.kind.time().zip(component.time) {
         let _ = write!(title, ", {} s ({} to {})", significant(time), significant(low), significant(high));
     }
     let (unit, size) = naming.sheet;
-    let (value, bounds) = (component.process.size, component.size);
-    let sheet = interval(value, bounds, |number| significant(number / size));
-    let si = interval(value, bounds, |number| format!("{number:.3e}"));
-    [title, format!("{sheet} {unit}"), format!("{si} {}", naming.unit)]
+    Cells {
+        title,
+        sheet: Sized::new(component, unit, |number| significant(number / size)),
+        si: Sized::new(component, naming.unit, |number| format!("{number:.3e}")),
+    }
 }
 
 /// What was taken out of a channel before.
@@ -91,8 +115,8 @@ pub(super) fn text(found: &Found) -> String {
         for (axis, channel) in AXES.into_iter().zip(channels) {
             line(&format!("{} {axis}", sensor.name()));
             for component in &channel.components {
-                let [title, sheet, si] = cells(sensor, component);
-                line(&format!("  {title:54} {sheet:44} {si}"));
+                let Cells { title, sheet, si } = cells(sensor, component);
+                line(&format!("  {title:60} {:44} {}", sheet.line(), si.line()));
             }
             if let Some((deviation, tau)) = channel.floor() {
                 let (_, (unit, size)) = sensor.reading();

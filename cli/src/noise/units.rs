@@ -53,6 +53,9 @@ impl Sensor {
             (Kind::Quantisation, _) => ("quantisation", "quantisation"),
             (Kind::White, Self::Gyro) => ("white", "angle random walk (white noise)"),
             (Kind::White, Self::Accel) => ("white", "velocity random walk (white noise)"),
+            (kind @ Kind::GaussMarkov { .. }, _) if kind.is_fast() => {
+                ("gauss-markov", "filtered white noise (Gauss-Markov)")
+            }
             (Kind::GaussMarkov { .. }, _) => ("gauss-markov", "bias wander (Gauss-Markov)"),
             (Kind::RandomWalk, Self::Gyro) => ("random-walk", "rate random walk"),
             (Kind::RandomWalk, Self::Accel) => ("random-walk", "acceleration random walk"),

@@ -4,7 +4,7 @@ use miette::Result;
 use runs::{Analysis, AnyFilter, SPANS, State};
 use sinscal::observability::{EXCITED, TOLERANCE};
 
-use super::report::{figure as curves, name, verdict};
+use super::report::{name, only_position, verdict};
 use crate::origin::{Documented as _, inputs};
 use logs::Log;
 use reports::figures::significant;
@@ -21,15 +21,19 @@ pub(super) fn report(log: &Log, filter: &dyn AnyFilter, analysis: &Analysis) -> 
     let report = Report {
         title: format!("What {} can tell {}", log.table().display(), filter.title()),
         verdict: verdict(&filter.title(), analysis),
-        tone: if rank == states { Tone::Good } else { Tone::Bad },
+        tone: if rank == states || only_position(analysis) { Tone::Good } else { Tone::Bad },
         facts: vec![
             ("rank".into(), format!("{rank} of {states}")),
-            ("smallest singular value".into(), significant(smallest)),
-            ("segments".into(), analysis.segments.to_string()),
-            ("of them turning".into(), analysis.turning.to_string()),
+            ("smallest singular value".into(), format!("{} sigma of a reading", significant(smallest))),
+            ("segments".into(), format!("{}, {} of them turning", analysis.segments, analysis.turning)),
             ("weak combinations".into(), analysis.weak.len().to_string()),
         ],
-        sections: vec![words(analysis), degrees(analysis), singular_values(analysis), inputs(log)?.section()],
+        sections: vec![
+            degrees(analysis),
+            words(analysis),
+            singular_values(analysis).folded(),
+            inputs(log)?.section(),
+        ],
         origin: Vec::new(),
         attachments: Vec::new(),
     };
@@ -104,7 +108,7 @@ pub(crate) fn degrees(analysis: &Analysis) -> Section {
     );
     let rows = analysis.states.iter().map(row).collect();
     let table = Table::new(caption, &names, rows).drawn_as("degrees");
-    Section::new("Degrees of observability", vec![table.into(), Item::Curves(curves(analysis))])
+    Section::new("Degrees of observability", vec![table.into()])
 }
 
 fn singular_values(analysis: &Analysis) -> Section {

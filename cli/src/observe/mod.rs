@@ -10,6 +10,7 @@ use runs::observe;
 
 use crate::arguments::{FilterArgument, LogArgument, Results};
 use crate::origin::Documented as _;
+use crate::setup::Beginning;
 use crate::source::{Source, fault};
 use crate::{say, setup};
 
@@ -30,6 +31,8 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     filter: FilterArgument,
     #[command(flatten)]
+    beginning: Beginning,
+    #[command(flatten)]
     results: Results,
 }
 
@@ -37,8 +40,8 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let mut target = self.results.target()?;
         let filter = self.filter.filter()?;
+        let log = self.log.open_for(&*filter, self.beginning)?;
         let filter = &*filter;
-        let log = self.log.open_for(filter)?;
         target.reads_log(&log)?;
         self.filter.change.files().try_for_each(|path| target.reads(path))?;
         let setup = setup::of(&log, setup::initial(&log)?);

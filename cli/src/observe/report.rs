@@ -9,13 +9,9 @@ use sinscal::StateInfo;
 use sinscal::observability::{Direction, EXCITED, TOLERANCE};
 
 use reports::figures::significant;
-use reports::{Curve, Figure, Style};
 
 /// The paper's figure shows the last thirteen states.
 const LAST: usize = 13;
-
-/// Smaller degrees are drawn as this one.
-const LEAST_DRAWN: f64 = 1e-3;
 
 /// `observe --json`.
 #[derive(Serialize)]
@@ -105,11 +101,21 @@ impl Report {
     }
 }
 
+/// Whether all that cannot be found is the position: so it is wherever only velocity is read, and no calibration suffers.
+pub(super) fn only_position(analysis: &Analysis) -> bool {
+    let terms = || analysis.unobservable.iter().flat_map(|direction| &direction.terms);
+    terms().next().is_some() && terms().all(|(info, _)| info.block == "position")
+}
+
 /// Whether everything can be found, in one line.
 pub(super) fn verdict(filter: &str, analysis: &Analysis) -> String {
     let (rank, states) = (analysis.rank, analysis.states.len());
     if rank == states {
         format!("{filter} is observable: rank {rank} of {states}")
+    } else if only_position(analysis) {
+        format!(
+            "{filter} can find all but its position, of which there are no readings: rank {rank} of {states}"
+        )
     } else {
         format!(
             "{filter} is not observable on this path: rank {rank} of {states}, {} combinations cannot be found",
@@ -166,28 +172,6 @@ pub(crate) fn table(filter: &str, analysis: &Analysis) -> String {
         row(&mut text, state);
     }
     text
-}
-
-/// Degrees of the last thirteen states in the five spans, as in figure 5 of the paper.
-pub(super) fn figure(analysis: &Analysis) -> Figure {
-    let last = &analysis.states[analysis.states.len().saturating_sub(LAST)..];
-    let curve = |state: &State, style| {
-        let point = |(span, degree): (usize, &f64)| ((span + 1) as f64, degree.max(LEAST_DRAWN).log10());
-        Curve::new(name(&state.info), style, state.spans.iter().enumerate().map(point).collect())
-    };
-    // a dashed line has the colour of the one before
-    let (full, dashed) = last.split_at(last.len().div_ceil(2));
-    let mut curves = Vec::new();
-    for (i, state) in full.iter().enumerate() {
-        curves.push(curve(state, Style::Full));
-        curves.extend(dashed.get(i).map(|state| curve(state, Style::Dashed)));
-    }
-    Figure {
-        file: "observability".into(),
-        title: format!("Degrees of observability of the last {LAST} states"),
-        axes: ["span", "log10 of the degree of observability"],
-        curves,
-    }
 }
 
 fn list(text: &mut String, title: &str, lines: &[String]) {

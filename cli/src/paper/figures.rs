@@ -5,6 +5,7 @@ use std::path::Path;
 
 use miette::Result;
 use runs::{Flight, SPANS};
+use sinscal::navigation::NAUTICAL_MILE;
 use study::FilterResult;
 
 use super::Findings;
@@ -80,8 +81,10 @@ fn convergence(findings: &Findings, shown: &FilterResult, file: &'static str, bl
 /// Horizontal error of free-inertial navigation with each filter's calibration (Fig. 15).
 pub(super) fn navigation(findings: &Findings) -> Figure {
     let curves = findings.first.flights.iter().map(|flight| {
-        let points =
-            flight.track.iter().map(|(time, east, north)| (time / 3600.0, east.hypot(*north) / 1852.0));
+        let points = flight
+            .track
+            .iter()
+            .map(|(time, east, north)| (time / 3600.0, east.hypot(*north) / NAUTICAL_MILE));
         Curve::new(flight.filter.clone(), Style::Full, points.collect())
     });
     Figure {

@@ -103,6 +103,33 @@ fn check(browser: &str, name: &str, page: &Path, sections: &[&str]) -> Done {
     Ok(())
 }
 
+/// A picture of a page as wide as a phone, which a window cannot be: in a frame, which says whether the page is wider than it.
+fn framed(browser: &str, kind: &str, page: &Path, width: u32) -> Done {
+    let folder = page.parent().ok_or("a page in a folder")?;
+    let frame = folder.join(format!("frame-{width}.html"));
+    let measured = "document.title = 'wide ' + f.contentDocument.documentElement.scrollWidth";
+    fs::write(
+        &frame,
+        format!(
+            "<body style=margin:0><iframe id=f src=report.html style='border:0;width:{width}px;height:3000px' \
+             onload=\"{measured}\"></iframe>"
+        ),
+    )?;
+    let shot = shots()?.join(format!("{kind}-{width}.png"));
+    let more = [
+        "--window-size=820,3000".into(),
+        "--allow-file-access-from-files".into(),
+        format!("--screenshot={}", shot.display()),
+    ];
+    let opened = open(browser, &frame, &more)?;
+    assert!(opened.console.is_empty(), "{kind} at {width}: {:#?}", opened.console);
+    assert!(
+        opened.document.contains(&format!("<title>wide {width}</title>")),
+        "{kind} is wider than {width}"
+    );
+    Ok(())
+}
+
 #[test]
 fn the_browser_would_complain() -> Done {
     let Some(browser) = chromium() else { return Ok(()) };
@@ -151,18 +178,32 @@ fn reports_of_logs() -> Done {
     sinscal(&["ablate", &log, "--swing", &log, "--align", "30", "--out", &at("ablate")])?;
     check(browser, "ablate", &page("ablate"), &["Side by side", "Horizontal error"])?;
 
-    // on a phone, in the dark, on paper
-    let report = page("calibrate");
-    for (name, arguments) in
-        [("phone", "--window-size=500,4000"), ("dark", "--blink-settings=preferredColorScheme=0")]
-    {
-        let shot = format!("--screenshot={}", shots()?.join(format!("calibrate-{name}.png")).display());
-        let console = open(browser, &report, &[arguments.into(), shot])?.console;
-        assert!(console.is_empty(), "{name}: {console:#?}");
+    sinscal(&["compare", &calibration, &calibration, "--out", &at("compare")])?;
+    check(browser, "compare", &page("compare"), &["Differences", "Before differences are read", "Numbers"])?;
+    let certificate = at("certificate.html");
+    sinscal(&["export", &calibration, "--format", "certificate", "--out", &certificate])?;
+    check(browser, "certificate", Path::new(&certificate), &["Values", "Conditions", "Approved by"])?;
+
+    // every kind between a phone and a wide screen; what is wider than the page is moved aside within it
+    for kind in ["calibrate", "observe", "diagnose", "navigate", "ablate", "compare"] {
+        for width in [390, 820] {
+            framed(browser, kind, &page(kind), width)?;
+        }
     }
+
+    // in the dark, on paper
+    let report = page("calibrate");
+    let shot = format!("--screenshot={}", shots()?.join("calibrate-dark.png").display());
+    let dark = "--blink-settings=preferredColorScheme=0";
+    let console = open(browser, &report, &[dark.into(), shot])?.console;
+    assert!(console.is_empty(), "dark: {console:#?}");
     let pdf = shots()?.join("calibrate.pdf");
     let console = open(browser, &report, &[format!("--print-to-pdf={}", pdf.display())])?.console;
     assert!(console.is_empty(), "print: {console:#?}");
+    let printed = fs::read(&pdf)?;
+    let count = |what: &[u8]| printed.windows(what.len()).filter(|bytes| *bytes == what).count();
+    let pages = count(b"/Type /Page") - count(b"/Type /Pages");
+    assert!((1..=8).contains(&pages), "a calibration on {pages} pages");
     Ok(())
 }
 

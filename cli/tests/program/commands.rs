@@ -131,7 +131,8 @@ fn results_go_to_files_and_forms_and_passes_agree_to_run() -> Done {
         assert!(output.status.success(), "{}", text(&output.stderr));
         let report: serde_json::Value = serde_json::from_slice(&fs::read(&json)?)?;
         assert_eq!(report["form"], form);
-        assert_eq!(report["passes"], 2);
+        let passes = report["passes"].as_array().map(Vec::as_slice).unwrap_or_default();
+        assert!(passes.len() == 2 && passes.iter().all(|pass| pass["kept"] == true), "{passes:?}");
         assert_eq!(fs::read(&json)?, fs::read(out.join("calibration.json"))?);
         let history = fs::read_to_string(out.join("history.csv"))?;
         let width = |line: &str| line.split(',').count();
@@ -267,5 +268,46 @@ fn a_reference_that_is_left_out_is_no_fit() -> Done {
     let (verdict, said) = run("calibrate moving --filter 36d-p")?;
     assert!(verdict.starts_with("36d-p does not fit: most readings of position contradict it"), "{verdict}");
     assert!(said.contains("check unit, sign and frame of the reference"), "{said}");
+    Ok(())
+}
+
+#[test]
+fn several_logs_of_a_unit_give_common_parameters_and_their_own() -> Done {
+    let folder = tempfile::tempdir()?;
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    fs::write(at("short.toml"), super::guide::TURNS)?;
+    for name in ["monday", "friday"] {
+        let output =
+            sinscal(&["simulate", "--scenario", &at("short.toml"), "--seed", "3", "--out", &at(name)])
+                .output()?;
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    }
+    let output = calibrate(&at("monday"), &[&at("friday"), "--out", &at("both"), "--json", "-"])?;
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout)?;
+    let list = |value: &serde_json::Value| value.as_array().cloned().unwrap_or_default();
+    let (common, logs) = (list(&report["parameters"]), list(&report["logs"]));
+    assert!(common.len() == 34 && logs.len() == 2);
+    // the same log twice: the same figures where the prior says little, with 1/sqrt(2) of the sigma
+    let own = list(&logs[0]["parameters"]);
+    let mut compared = 0;
+    for (common, own) in common.iter().zip(&own) {
+        let (Some(sigma), Some(alone)) = (common["sigma"].as_f64(), own["sigma"].as_f64()) else { continue };
+        if alone < 0.01 * own["prior_sigma"].as_f64().ok_or("no prior")? {
+            assert!((sigma / alone - 0.5_f64.sqrt()).abs() < 0.05, "{own}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 5, "{compared}");
+    let written = fs::read_to_string(folder.path().join("both/calibration.txt"))?;
+    assert!(written.contains("2 logs together") && written.contains("log 2: "), "{written}");
+    for (more, expected) in [
+        (&[&*at("monday")][..], "is named twice"),
+        (&[&*at("friday"), "--budget"], "is common to logs of one unit"),
+    ] {
+        let output = calibrate(&at("monday"), more)?;
+        let said = text(&output.stderr);
+        assert!(output.status.code() == Some(1) && said.contains(expected), "{more:?}: {said}");
+    }
     Ok(())
 }

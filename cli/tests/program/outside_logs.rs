@@ -1,7 +1,7 @@
 //! Logs of other people: an independent simulator's, with truth, and measured ones. Skipped where they are absent.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 
 use serde_json::Value;
 
@@ -16,16 +16,26 @@ fn logs() -> Option<PathBuf> {
     None
 }
 
-fn calibrate(log: &Path, filter: &str, more: &[&str]) -> Value {
+/// Runs a command that did its work and wrote JSON to standard output.
+pub(crate) fn run(command: &str, log: &Path, filter: &str, more: &[&str]) -> Output {
     let output = Command::new(env!("CARGO_BIN_EXE_sinscal"))
-        .arg("calibrate")
+        .arg(command)
         .arg(log)
         .args(["--filter", filter, "--json", "-"])
         .args(more)
         .output()
         .expect("the program runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    output
+}
+
+/// What such a run wrote.
+pub(crate) fn json(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).expect("JSON and nothing else")
+}
+
+fn calibrate(log: &Path, filter: &str, more: &[&str]) -> Value {
+    json(&run("calibrate", log, filter, more))
 }
 
 fn parameters<'a>(report: &'a Value, name: &'a str) -> impl Iterator<Item = &'a Value> {

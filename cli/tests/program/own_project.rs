@@ -175,7 +175,7 @@ fn a_project_of_ones_own_does_everything() -> Done {
     assert!(fs::read_to_string(project.folder.join("first.truth.json"))?.contains("\"spin\""));
 
     let found = project.run("diagnose first --filter 36d-p --verify second --out findings -q")?;
-    assert!(found.starts_with("Missing: spin, d_f_i = k_i |omega|"), "{found}");
+    assert!(found.starts_with("Missing: spin (") && found.contains("spin, d_f_i = k_i |omega|"), "{found}");
     let before = project.run("calibrate second --filter 36d-p -q")?;
     let after = project.run(
         "calibrate second --filter 36d-p --with findings/diagnosis.json --json c.json --out calibrated -q",

@@ -10,7 +10,7 @@ use serde_json::Value;
 use super::support::Done;
 
 /// The folder of the cases, or `None` with a printed line.
-fn cases() -> Option<PathBuf> {
+pub(crate) fn cases() -> Option<PathBuf> {
     let root = std::env::var_os("SINSCAL_DATA").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/cases"),
         |data| PathBuf::from(data).join("../cases"),

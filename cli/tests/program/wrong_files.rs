@@ -126,8 +126,8 @@ fn text_as_tools_write_it() -> Done {
         ),
         (Csv(|text| line(&text, 9, |row| row.replace("30.5", "1e999"))), &["row 9, column `temp_y`: is inf"]),
         (
-            Csv(|text| line(&text, 9, |row| row.replacen("0.18", "00:00:00.18", 1))),
-            &["row 9, column `time_s`: `00:00:00.18` is not a number"],
+            Csv(|text| line(&text, 9, |row| row.replacen("0.18", "00:61:00.18", 1))),
+            &["row 9, column `time_s`: `00:61:00.18` is not a number", "times of a day such as 22:13:20.005"],
         ),
         (Csv(|text| [text.as_bytes(), b"\xe9\xe8,1,2\n"].concat()), &["row 401: is not text", "UTF-8"]),
         (

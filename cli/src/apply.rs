@@ -1,0 +1,100 @@
+//! `sinscal apply`: a log with the errors that a calibration found taken out.
+
+use std::path::PathBuf;
+use std::{fs, io};
+
+use clap::Args;
+use logs::{Log, LogError};
+use miette::{Result, miette};
+use sinscal::{InitialAttitude, Sample};
+
+use crate::arguments::{self, LogArgument};
+use crate::navigate::read;
+use crate::output::{Files, Sources};
+use crate::{say, setup};
+
+/// What its help ends with.
+const EXAMPLES: &str = "\
+Examples:
+  sinscal apply walk.csv --calibration results/calibration.json --out corrected.csv
+  sinscal apply data.txt --calibration c.json --map gyro=w:deg/s,accel=a:g,time=t --out corrected.txt
+
+The result is of the format of the log, with its names, units, axes and lines; rates and forces alone are others. Text (CSV and its like)
+and Parquet are written. The description is copied beside it, as OUT.toml.";
+
+/// Write a log with the errors that a calibration found taken out, in the same format
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    log: LogArgument,
+    /// The calibration: what `calibrate --json` wrote
+    #[arg(long, value_name = "FILE")]
+    calibration: PathBuf,
+    /// The table to write; its description is written beside it
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<()> {
+        let (calibrated, _) = read::read(&self.calibration)?;
+        let log = arguments::open(&self.log.log, &self.log.columns.reading_for(&*calibrated.filter))?;
+        log.can_be_rewritten()?;
+        let mut sources = Sources::default();
+        sources.add(&self.calibration);
+        log.files().iter().for_each(|file| sources.add(file));
+        let mut files = Files::beside(sources);
+        files.check(&self.out)?;
+        // what the sensors read too much does not depend on which way they point
+        let initial = log.description().initial.unwrap_or(InitialAttitude::unknown_heading());
+        let mut corrector = calibrated.corrector(&setup::of(&log, initial));
+        let mut rows = 0_u64;
+        let mut fault: Option<LogError> = None;
+        let written = files.write(&self.out, |out| {
+            let correct = &mut |sample: &Sample| {
+                rows += 1;
+                let corrected = corrector(sample);
+                (corrected.dtheta, corrected.dvel)
+            };
+            log.rewrite(out, correct).unwrap_or_else(|error| {
+                fault = Some(error);
+                Err(io::Error::other("the log is faulty"))
+            })
+        });
+        if let Some(fault) = fault {
+            return Err(fault.into());
+        }
+        written?;
+        self.describe(&log, &mut files)?;
+        if rows == 0 {
+            return Err(miette!("{}: has no rows", log.table().display()));
+        }
+        files.commit()?;
+        say::remark(&format!("{rows} rows without the errors of {}", calibrated.filter.title()));
+        Ok(())
+    }
+
+    /// Copies the description beside the result, where none is there yet.
+    fn describe(&self, log: &Log, files: &mut Files) -> Result<()> {
+        let copy = self.out.with_extension("toml");
+        let stream = self.out.exists() && !self.out.is_file();
+        if stream || copy == self.out {
+            return Ok(());
+        }
+        let source = log.description_path();
+        let text =
+            fs::read(&source).map_err(|error| miette!("{}: cannot be read: {error}", source.display()))?;
+        if !copy.exists() {
+            return files.write(&copy, |out| out.write_all(&text));
+        }
+        if fs::read(&copy).is_ok_and(|there| there != text) {
+            say::warn(&format!(
+                "{}: is there already and stays as it is; the result is to be read with what {} says",
+                copy.display(),
+                source.display()
+            ));
+        }
+        Ok(())
+    }
+}
