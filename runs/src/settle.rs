@@ -169,8 +169,20 @@ fn climb(judge: &Judge, mut here: Judged, told: &mut Vec<Pass>) -> Result<Judged
     Ok(here)
 }
 
-/// Values after a pass, and the logarithm of their posterior where the next one has told it.
-type Tried = (Vec<f64>, Option<f64>);
+/// What a pass found.
+struct Tried {
+    values: Vec<f64>,
+    /// How the readings were spread in it, and so which of them the next pass believes.
+    gate: Gate,
+    /// Logarithm of the posterior of the values, where the next pass has told it.
+    log_posterior: Option<f64>,
+}
+
+impl Tried {
+    fn worth(&self) -> f64 {
+        self.log_posterior.unwrap_or(f64::NEG_INFINITY)
+    }
+}
 
 /// The passes that were asked for, each about what the one before found; fewer if one after the first diverges.
 fn passes(
@@ -186,8 +198,8 @@ fn passes(
         run.begin_pass(pass == options.passes)?;
         let fed = feed(&[filter], core::slice::from_mut(run), samples);
         if let (Some(last), Some(scored)) = (tried.last_mut(), run.scored()) {
-            let posterior = about(&scored, &last.0, &priors, None).log_posterior;
-            last.1 = Some(posterior - left_out(run.statistics()));
+            let posterior = about(&scored, &last.values, &priors, None).log_posterior;
+            last.log_posterior = Some(posterior - left_out(run.statistics()));
         }
         match fed {
             // whoever survived one pass may be helped
@@ -198,7 +210,7 @@ fn passes(
             return Err(no_update(filter));
         }
         watch.pass(&filter.title(), pass, options.passes, run.statistics());
-        tried.push((run.values(), None));
+        tried.push(Tried { values: run.values(), gate: run.gate(), log_posterior: None });
     }
     Ok(tried)
 }
@@ -215,30 +227,34 @@ pub(crate) fn calibrate(
     let begun = found.as_ref().map_or(*setup, |start| start.within(setup));
     let mut run = filter.start(&begun, options);
     let mut tried = passes(filter, &mut run, samples, options, watch)?;
-    let judge =
+    let mut judge =
         Judge { filter, samples, setup: *setup, priors: run.priors(), span: run.span(), gate: run.gate() };
     let guess = |values: &[f64]| Guess { values: values.to_vec(), start: found };
-    let log_posterior = |tried: &Tried| tried.1.unwrap_or(f64::NEG_INFINITY);
-    let best_before = tried.iter().map(log_posterior).fold(f64::NEG_INFINITY, f64::max);
+    let best_before = tried.iter().map(Tried::worth).fold(f64::NEG_INFINITY, f64::max);
     let mut last = None;
     if tried.len() == options.passes as usize
         && let Some(tried) = tried.last_mut()
     {
-        last = judge.at(guess(&tried.0))?;
-        tried.1 = last.as_ref().map(|here| here.log_posterior);
+        last = judge.at(guess(&tried.values))?;
+        tried.log_posterior = last.as_ref().map(|here| here.log_posterior);
     }
     let settles =
         |here: &Judged| found.is_none() && here.log_posterior > best_before - SLACK && here.moved() < SETTLED;
-    let told = |kept: &dyn Fn(&Tried) -> bool| {
-        tried.iter().map(|tried| Pass { log_posterior: tried.1, kept: kept(tried) }).collect::<Vec<_>>()
+    let told = |kept: &dyn Fn(usize) -> bool| {
+        let pass = |(k, tried): (usize, &Tried)| Pass { log_posterior: tried.log_posterior, kept: kept(k) };
+        tried.iter().enumerate().map(pass).collect::<Vec<_>>()
     };
     let (posterior, moves, told) = if let Some(here) = last.filter(settles) {
         (Some(here.posterior.clone()), here.moves(), told(&|_| true))
     } else {
-        let best = tried.iter().max_by(|a, b| log_posterior(a).total_cmp(&log_posterior(b)));
-        let best = best.map(|tried| tried.0.clone()).unwrap_or_default();
-        let mut told = told(&|tried| tried.0 == best);
-        let mut from = judge.at(guess(&best))?;
+        let best = (0..tried.len()).max_by(|a, b| tried[*a].worth().total_cmp(&tried[*b].worth()));
+        let values = best.map(|best| tried[best].values.clone()).unwrap_or_default();
+        if let Some(best) = best {
+            // a pass that went astray believes whatever it saw: the readings are judged as those of the best were
+            judge.gate = tried[best].gate;
+        }
+        let mut told = told(&|k| Some(k) == best);
+        let mut from = judge.at(guess(&values))?;
         if from.is_none() {
             // nowhere near: begin with what was believed before
             from = judge.at(guess(&vec![0.0; judge.priors.len()]))?;
@@ -248,6 +264,7 @@ pub(crate) fn calibrate(
         if let Some(start) = &best.guess.start {
             run.restart(&start.within(setup).initial);
         }
+        run.judge_as(judge.gate);
         run.begin_pass_about(&best.guess.values, true)?;
         feed(&[filter], core::slice::from_mut(&mut run), samples)?;
         let posterior = run.scored().map(|scored| about(&scored, &best.guess.values, &judge.priors, None));

@@ -123,7 +123,7 @@ fn values(
     name: &str,
     filter: Option<&dyn AnyFilter>,
     checkout: Option<&Path>,
-) -> Result<[(&'static str, String); 9]> {
+) -> Result<[(&'static str, String); 8]> {
     let (fields, measures) = match filter {
         None => (FIELDS.to_owned(), "velocity, position".to_owned()),
         Some(filter) => {
@@ -152,9 +152,9 @@ fn values(
         ("@Effect@", EFFECT.to_owned()),
         ("@fields@", fields),
         ("@measures@", measures),
-        ("@sinscal@", dependency("", "")),
+        // with its checker for the tests: one build serves tests and program
+        ("@sinscal@", dependency("", ", features = [\"check\"]")),
         ("@cli@", dependency("cli", "")),
-        ("@checked@", dependency("", ", features = [\"check\"]")),
     ])
 }
 
