@@ -268,20 +268,24 @@ fn read(solution: &[f64]) -> Option<(f64, NavigationState<f64>)> {
     (!time.is_nan()).then_some((time, navigation))
 }
 
-/// Cholesky factor of a covariance scaled to unit diagonal; a state that is known exactly has no weight.
+/// Cholesky factor of a covariance scaled to unit diagonal, of the states that are not known exactly: those that are have no weight,
+/// and cost nothing.
 struct Factor {
+    /// The states that take part.
+    taken: Vec<usize>,
     scale: DVector<f64>,
     l: DMatrix<f64>,
 }
 
 impl Factor {
     fn new(p: &DMatrix<f64>) -> Self {
-        let n = p.nrows();
-        let scale = DVector::from_fn(n, |i, _| if p[(i, i)] > 0.0 { 1.0 / p[(i, i)].sqrt() } else { 0.0 });
+        let taken: Vec<usize> = (0..p.nrows()).filter(|i| p[(*i, *i)] > 0.0).collect();
+        let n = taken.len();
+        let scale = DVector::from_fn(n, |i, _| 1.0 / p[(taken[i], taken[i])].sqrt());
         let mut l = DMatrix::<f64>::zeros(n, n);
         for i in 0..n {
             for j in 0..=i {
-                let mut sum = p[(i, j)] * scale[i] * scale[j];
+                let mut sum = p[(taken[i], taken[j])] * scale[i] * scale[j];
                 for k in 0..j {
                     sum -= l[(i, k)] * l[(j, k)];
                 }
@@ -294,14 +298,14 @@ impl Factor {
                 };
             }
         }
-        Self { scale, l }
+        Self { taken, scale, l }
     }
 
     /// `P^-1 y`.
     fn solve(&self, y: &DVector<f64>) -> DVector<f64> {
-        let (n, l) = (y.len(), &self.l);
+        let (n, l) = (self.taken.len(), &self.l);
         let divided = |value: f64, i: usize| if l[(i, i)] > 0.0 { value / l[(i, i)] } else { 0.0 };
-        let mut w = y.component_mul(&self.scale);
+        let mut w = DVector::from_fn(n, |i, _| y[self.taken[i]] * self.scale[i]);
         for i in 0..n {
             for k in 0..i {
                 let known = w[k];
@@ -316,6 +320,10 @@ impl Factor {
             }
             w[i] = divided(w[i], i);
         }
-        w.component_mul(&self.scale)
+        let mut solved = DVector::zeros(y.len());
+        for (place, value) in self.taken.iter().zip(w.component_mul(&self.scale).iter()) {
+            solved[*place] = *value;
+        }
+        solved
     }
 }

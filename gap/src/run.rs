@@ -3,7 +3,9 @@
 use nalgebra::DVector;
 use runs::{About, AnyFilter, ComposeError, Composition, Options};
 use sinscal::navigation::Pilot;
-use sinscal::{AnyEffect, DitherSizeEffect, Effect, EffectInfo, INFLUENCES, Setup, StateInfo};
+use sinscal::{
+    AnyEffect, DitherScale, DitherSizeEffect, Effect, EffectInfo, INFLUENCES, InnerLeverArm, Setup, StateInfo,
+};
 
 use crate::candidates::prior_factor;
 use crate::declaration::BaseFilter;
@@ -95,9 +97,15 @@ impl<'a> Runs<'a> {
             own.iter().any(|leaf| leaf.name == effect.name())
                 || effect.name() == DitherSizeEffect::EFFECT.name() && base.needs_dither()
         };
-        // the column of a candidate is that of a constant, about which it does not depend on other estimates
-        let outside =
-            |effect: &'static dyn AnyEffect| effect.is_wander() || INFLUENCES.contains(&effect.name());
+        // the column of a candidate is that of a constant; of the chain of measurement only the pick-offs are told by the unit itself
+        let told_by_arms = |name: &str| {
+            name == DitherScale::EFFECT.name()
+                && base.needs_dither()
+                && own.iter().any(|leaf| leaf.name == InnerLeverArm::EFFECT.name())
+        };
+        let outside = |effect: &'static dyn AnyEffect| {
+            effect.is_wander() || INFLUENCES.contains(&effect.name()) && !told_by_arms(effect.name())
+        };
         let priced = |effect: &&'static dyn AnyEffect| !has(*effect) && !outside(*effect);
         let effects: Vec<_> = effects.iter().copied().filter(priced).collect();
         let all = Composition::with_states_for(base, &effects)?;

@@ -1,6 +1,9 @@
 //! Sentences for people.
 
+use core::f64::consts::FRAC_1_SQRT_2;
 use std::fmt::Write;
+
+use sinscal::{DitherScale, Effect as _};
 
 use crate::name::MARGIN;
 use crate::report::{Diagnosis, FoundEffect, Law, Rival, Verdict};
@@ -42,6 +45,9 @@ pub(crate) fn power(ln: f64) -> String {
     let log10 = ln / core::f64::consts::LN_10;
     if log10.abs() < 4.0 { format!("{:.3}", ln.exp()) } else { format!("1e{log10:.0}") }
 }
+
+/// A scale of pick-offs within so much of it is a mistake that people make.
+const MISTAKEN: f64 = 0.2;
 
 /// No verdict is longer than this; what else there is to say follows in notes.
 const LONGEST: usize = 240;
@@ -138,6 +144,7 @@ fn share(part: f64) -> String {
 /// What stands behind a verdict, in notes: equations and values, what was gained, what remains, and the nearest rival.
 pub(crate) fn details(d: &Diagnosis, gain: f64) -> Vec<String> {
     let mut notes: Vec<String> = d.effects.iter().map(describe).collect();
+    notes.extend(d.effects.iter().filter_map(pick_offs));
     notes.extend(d.laws.iter().map(law));
     if d.effects.is_empty() {
         return notes;
@@ -157,6 +164,24 @@ pub(crate) fn details(d: &Diagnosis, gain: f64) -> Vec<String> {
     }
     notes.push(text);
     notes
+}
+
+/// What a scale of the pick-offs looks like, where it is one that people make by mistake.
+fn pick_offs(found: &FoundEffect) -> Option<String> {
+    if found.name != DitherScale::EFFECT.name() {
+        return None;
+    }
+    let is = |scale: f64| {
+        let off =
+            |(value, sigma): (&f64, &f64)| (value - scale).abs() < (MISTAKEN * scale.abs()).max(3.0 * sigma);
+        found.estimate.iter().zip(&found.sigma).all(off)
+    };
+    let told = [
+        (FRAC_1_SQRT_2 - 1.0, "root mean squares: multiply them by sqrt(2)"),
+        (1.0, "told from peak to peak: halve them"),
+    ];
+    let (_, told) = told.into_iter().find(|(scale, _)| is(*scale))?;
+    Some(format!("the amplitudes of the dither look like {told}"))
 }
 
 /// A law with its coefficients, and what the logs cannot tell from it.

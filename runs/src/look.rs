@@ -29,6 +29,11 @@ const FEWEST: u64 = 500;
 const STANDS_OUT: f64 = 30.0;
 const TAKEN_BACK: f64 = 0.05;
 
+/// A run begins within so much of ordinary room temperature, degC...
+const ROOM: (f64, f64) = (20.0, 12.0);
+/// ...and not above this, degC: what does is believed only of a unit that was heated before.
+const HEATED: f64 = 55.0;
+
 /// The six inertial sensors, rates before forces.
 const SENSORS: [&str; 6] =
     ["gyro x", "gyro y", "gyro z", "accelerometer x", "accelerometer y", "accelerometer z"];
@@ -41,6 +46,8 @@ pub struct Look {
     at: Option<Vector3<f64>>,
     readings: u64,
     moves: bool,
+    /// The first temperature, degC.
+    began_at: Option<f64>,
 }
 
 /// One sensor: its largest readings to both sides, and how often it reads the same again.
@@ -171,6 +178,8 @@ impl Look {
         let interval = self.time.map(|time| sample.time - time);
         self.time = Some(sample.time);
         self.reference(&sample.reference);
+        let mut temperatures = sample.temperature.iter().chain(&sample.gyro_temperature);
+        self.began_at = self.began_at.or_else(|| temperatures.find(|t| t.is_finite()).copied());
         // of the first interval nothing is known
         let Some(interval) = interval else { return };
         let values = sample.dtheta.iter().chain(&sample.dvel);
@@ -198,6 +207,13 @@ impl Look {
     /// Whether the reference is a point that never moves, to the bit: nobody has read it.
     pub fn is_fixed_point(&self) -> bool {
         self.readings > 1 && !self.moves
+    }
+
+    /// The first temperature as it stands in the log and what it would be in degC, where it looks as if it were in degF.
+    pub fn fahrenheit(&self) -> Option<(f64, f64)> {
+        let read = self.began_at?;
+        let told = (read - 32.0) / 1.8;
+        (read > HEATED && (told - ROOM.0).abs() < ROOM.1).then_some((read, told))
     }
 
     /// The first sensor that saturates.
@@ -309,6 +325,29 @@ mod tests {
         assert!((time - 7.0).abs() < 1e-9 && (by - 5.0).abs() < 0.1, "{time} {by}");
         // a step stays
         assert_eq!(look((0..5000).map(|k| turning(k) + if k > 700 { 5.0 } else { 0.0 })).spike(), None);
+    }
+
+    #[test]
+    fn a_room_that_is_hot_is_looked_at_in_fahrenheit() {
+        let begun_at = |temperature: f64| {
+            let mut look = Look::default();
+            for temperature in [f64::NAN, temperature, temperature + 30.0] {
+                look.push(&Sample {
+                    time: 0.0,
+                    dtheta: Vector3::zeros(),
+                    dvel: Vector3::zeros(),
+                    temperature: Vector3::repeat(temperature),
+                    gyro_temperature: Vector3::repeat(f64::NAN),
+                    dither: Vector3::repeat(f64::NAN),
+                    reference: Reference::default(),
+                });
+            }
+            look.fahrenheit()
+        };
+        assert_eq!(begun_at(77.0), Some((77.0, 25.0)));
+        for sound in [-20.0, 25.0, 50.0, 95.0] {
+            assert_eq!(begun_at(sound), None, "{sound}");
+        }
     }
 
     #[test]

@@ -108,6 +108,12 @@ pub(crate) fn oddities(look: &Look, failed: bool) -> Vec<String> {
     if failed && !dead.is_empty() {
         said.push(format!("{} read nothing but 0", dead.join(", ")));
     }
+    said.extend(look.fahrenheit().map(|(read, told)| {
+        format!(
+            "the temperatures begin at {read:.1} degC: {read:.1} degF would be {told:.1} degC; if they are in degF, read them with \
+             --map temp=NAME:degF"
+        )
+    }));
     let rounded: Vec<String> =
         look.rounded().map(|(sensor, part)| format!("{sensor} ({:.0} %)", 100.0 * part)).collect();
     if !rounded.is_empty() {
