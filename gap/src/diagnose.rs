@@ -428,8 +428,8 @@ mod tests {
             self.0.rerun(log, noise, size)
         }
 
-        fn pilot(&self, setup: &Setup, parameters: &[f64]) -> Box<dyn Pilot> {
-            self.0.pilot(setup, parameters)
+        fn pilot(&self, setup: &Setup, ran: &Ran) -> Box<dyn Pilot> {
+            self.0.pilot(setup, ran)
         }
     }
 

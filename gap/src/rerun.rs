@@ -84,7 +84,7 @@ fn navigated(
     (first, last): (f64, f64),
     ran: &Ran,
 ) -> Result<Option<f64>, SceneError> {
-    let board = || vec![(String::new(), machine.pilot(log.setup, &ran.estimate))];
+    let board = || vec![(String::new(), machine.pilot(log.setup, ran))];
     match navigate(log.samples, &board, ALIGNMENT.min(0.25 * (last - first))) {
         Ok((flights, _)) => {
             let largest = flights.first().map(|flight| flight.drift.largest);

@@ -4,7 +4,8 @@ use nalgebra::DVector;
 use runs::{About, AnyFilter, ComposeError, Composition, Options};
 use sinscal::navigation::Pilot;
 use sinscal::{
-    AnyEffect, DitherScale, DitherSizeEffect, Effect, EffectInfo, INFLUENCES, InnerLeverArm, Setup, StateInfo,
+    AnyEffect, DitherScale, DitherSizeEffect, Effect, EffectInfo, Gate, INFLUENCES, InnerLeverArm, Setup,
+    StateInfo,
 };
 
 use crate::candidates::prior_factor;
@@ -71,10 +72,10 @@ pub(crate) trait Machine: Sync {
     fn entry(&self, effect: &str) -> Option<&'static EffectInfo>;
     /// Runs the filter and records a pass with all candidates' columns.
     fn run(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError>;
-    /// The same, but it is the filter with the candidates that is run closed loop.
+    /// The same, but it is the filter with the candidates that have a size that is run closed loop, and there are no others.
     fn rerun(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError>;
-    /// Navigates with parameters in the order of the columns of a run; those it did not have are zero.
-    fn pilot(&self, setup: &Setup, parameters: &[f64]) -> Box<dyn Pilot>;
+    /// Navigates with what a run found.
+    fn pilot(&self, setup: &Setup, ran: &Ran) -> Box<dyn Pilot>;
 }
 
 /// A filter and the effects that are priced against it.
@@ -128,60 +129,84 @@ impl<'a> Runs<'a> {
         parameters.into_iter().enumerate().map(column).collect()
     }
 
+    /// The filter with all effects; where there are none the base, whose code is its own.
+    fn everything(&self) -> &dyn AnyFilter {
+        if self.effects.is_empty() { self.base } else { &self.all }
+    }
+
     /// Runs the base, or the filter with all effects, closed loop on joined samples, then records passes with all effects about
     /// what was found, until it has settled.
     fn drive(&self, log: &Log, noise: &Noise, size: &Size, all: bool) -> Result<Ran, SceneError> {
-        let mut columns = self.columns(log, size);
-        let first: &dyn AnyFilter = if all { &self.all } else { self.base };
+        let columns = self.columns(log, size);
+        let first = if all { self.everything() } else { self.base };
         let priors = columns[..first.parameters().len()].iter().map(|column| column.prior).collect();
         let mut run = first.start(log.setup, &Options { passes: 1, priors, ..Options::of(first) });
         run.begin_pass(false)?;
         log.try_each_joined(|sample| run.feed(core::slice::from_ref(sample)).map_err(SceneError::Diverged))?;
         let found = run.finish()?;
-        let mut about: Vec<f64> = found.parameters.iter().map(|parameter| parameter.value).collect();
-        about.resize(columns.len(), 0.0);
-        let everything: &dyn AnyFilter = &self.all;
-        everything.without_guess(log.setup, &mut about);
-        let mut gate = found.gate;
+        let mut values: Vec<f64> = found.parameters.iter().map(|parameter| parameter.value).collect();
+        values.resize(columns.len(), 0.0);
+        self.everything().without_guess(log.setup, &mut values);
+        let (mut about, mut gate) = (values, found.gate);
+        // where the pass before was linearised about: its record is large, and made anew should it be wanted after all
+        let mut before: Option<(Vec<f64>, Gate)> = None;
         let mut passes = 0;
-        let mut last: Option<Ran> = None;
         loop {
-            columns.iter_mut().zip(&about).for_each(|(column, about)| column.about = *about);
-            let mut recorder = Recorder::new(columns.len());
-            let about_these = About { values: &about, gate };
-            let traced = match everything.trace(log.samples, log.setup, &about_these, &mut recorder) {
+            let recorded = match self.record(log, noise, &columns, &About { values: &about, gate }) {
                 // estimates that navigation does not survive are worse than those of the pass before
-                Err(runs::Error::Diverged { diverged, .. }) => {
-                    return last.ok_or(SceneError::Diverged(diverged));
+                Err(SceneError::Diverged(_) | SceneError::Indefinite) if before.is_some() => {
+                    (about, gate) = before.take().unwrap_or((about, gate));
+                    passes = PASSES - 1;
+                    continue;
                 }
-                traced => traced?,
+                recorded => recorded?,
             };
-            gate = traced.gate;
             passes += 1;
-            let relaxing = traced.relaxing.iter().map(|(column, r)| (*column, r.rate, r.density)).collect();
-            let recording = Recording {
-                columns: columns.clone(),
-                start: traced.start,
-                steps: recorder.steps,
-                relaxing,
-                channels: traced.channels,
-            };
-            let Some((found, prices)) = price(&recording, noise) else {
-                return last.ok_or(SceneError::Indefinite);
-            };
-            let estimates = estimates(&recording, &found, &prices).ok_or(SceneError::Indefinite)?;
-            let estimate: Vec<f64> = estimates.iter().map(|e| e.0).collect();
-            let moves: Vec<f64> = columns.iter().zip(&estimate).map(|(column, e)| e - column.about).collect();
-            let sigmas = moves.iter().zip(&estimates).filter(|(_, e)| e.1 > 0.0);
-            let moved = sigmas.map(|(by, e)| by.abs() / e.1).fold(0.0, f64::max);
-            let is_small = || angle_of(&recording, &moves) < SMALL.min(SECOND_ORDER / moved);
+            let moves: Vec<f64> =
+                recorded.ran.estimate.iter().zip(&about).map(|(e, about)| e - about).collect();
+            let sigmas = moves.iter().zip(&recorded.sigmas).filter(|(_, sigma)| **sigma > 0.0);
+            let moved = sigmas.map(|(by, sigma)| by.abs() / sigma).fold(0.0, f64::max);
+            let is_small = || angle_of(&recorded.ran.recording, &moves) < SMALL.min(SECOND_ORDER / moved);
             if moved < SETTLED || passes == 1 && is_small() || passes == PASSES {
-                return Ok(Ran { recording, log_likelihood: found.log_likelihood, prices, estimate });
+                return Ok(recorded.ran);
             }
-            about.clone_from(&estimate);
-            last = Some(Ran { recording, log_likelihood: found.log_likelihood, prices, estimate });
+            before = Some((about, gate));
+            (about, gate) = (recorded.ran.estimate, recorded.gate);
         }
     }
+
+    /// Records a pass about given values and prices the candidates.
+    fn record(
+        &self,
+        log: &Log,
+        noise: &Noise,
+        columns: &[Column],
+        about: &About,
+    ) -> Result<Pass, SceneError> {
+        let mut recorder = Recorder::new(columns.len());
+        let traced = self.everything().trace(log.samples, log.setup, about, &mut recorder)?;
+        let there = |(column, about): (&Column, &f64)| Column { about: *about, ..*column };
+        let recording = Recording {
+            columns: columns.iter().zip(about.values).map(there).collect(),
+            start: traced.start,
+            steps: recorder.steps,
+            relaxing: traced.relaxing.iter().map(|(column, r)| (*column, r.rate, r.density)).collect(),
+            channels: traced.channels,
+        };
+        let (found, prices) = price(&recording, noise).ok_or(SceneError::Indefinite)?;
+        let estimates = estimates(&recording, &found, &prices).ok_or(SceneError::Indefinite)?;
+        let (estimate, sigmas) = estimates.into_iter().unzip();
+        let ran = Ran { recording, log_likelihood: found.log_likelihood, prices, estimate };
+        Ok(Pass { ran, sigmas, gate: traced.gate })
+    }
+}
+
+/// What a recorded pass gives.
+struct Pass {
+    ran: Ran,
+    /// Standard deviations of the estimates.
+    sigmas: Vec<f64>,
+    gate: Gate,
 }
 
 impl Machine for Runs<'_> {
@@ -206,13 +231,25 @@ impl Machine for Runs<'_> {
     }
 
     fn rerun(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError> {
-        let all = self.effects.iter().any(|effect| size(effect.name()) > 0.0);
-        self.drive(log, noise, size, all)
+        let taken: Vec<_> = self.effects.iter().copied().filter(|e| size(e.name()) > 0.0).collect();
+        // what could be composed with more can be composed with less
+        let narrow = Runs::new(self.base, &taken).map_err(|error| SceneError::Unreadable(error.into()))?;
+        narrow.drive(log, noise, size, true)
     }
 
-    fn pilot(&self, setup: &Setup, parameters: &[f64]) -> Box<dyn Pilot> {
+    fn pilot(&self, setup: &Setup, ran: &Ran) -> Box<dyn Pilot> {
+        let columns = &ran.recording.columns;
+        if columns.iter().all(|column| column.base) {
+            return self.base.pilot_with(setup, &ran.estimate);
+        }
+        let value = |info: &StateInfo| {
+            let is =
+                |column: &Column| (column.info.block, column.info.component) == (info.block, info.component);
+            columns.iter().position(is).map_or(0.0, |column| ran.estimate[column])
+        };
+        let values: Vec<f64> = self.all.parameters().iter().map(value).collect();
         let all: &dyn AnyFilter = &self.all;
-        all.pilot_with(setup, parameters)
+        all.pilot_with(setup, &values)
     }
 }
 
