@@ -1,10 +1,13 @@
 //! From prices to a verdict.
 
+use sinscal::{DitherScale, Effect as _};
+
 use crate::error::SceneError;
 use crate::name::{MARGIN, Search, Tried, search};
 use crate::noise::TRUSTED;
 use crate::open::Open;
 use crate::partial::{absurd, dominant, remainder};
+use crate::prices::Prices;
 use crate::report::{Remainder, Verdict};
 use crate::run::DELAY;
 use crate::scene::Scene;
@@ -17,6 +20,11 @@ const SHARE: f64 = 0.01;
 /// What carries less than this part of the gain is never named beside the rest: a large effect that the inputs show to a hundredth,
 /// say by a temperature that is read late, leaves as much behind.
 const TRACE: f64 = 1e-4;
+
+/// Scales of the dither's amplitudes beyond this are beyond linearisation, 1.
+const GROSS: f64 = 0.1;
+/// Nearly all of a gain.
+const MOSTLY: f64 = 0.95;
 
 /// What passes its threshold by less than three decades may be chance; where the second log is silent, it is.
 const WEAK: f64 = 6.907_755_278_982_137;
@@ -87,11 +95,19 @@ fn exchanged(
         groups[i] = h;
         let other = Tried::new(&first.prices, groups, among);
         let rival = Standing::of(first, second, &other.groups, other.gain, threshold).rivals(standing);
-        if rival && other.is_adequate(threshold - MARGIN) {
+        if rival && other.is_adequate(threshold - MARGIN) || is_mistold(&first.prices, &other, h, best) {
             rivals.push(other.groups);
         }
     }
     rivals
+}
+
+/// Whether a set explains nearly all that the best does by amplitudes of the dither that are told wrongly by more than linearisation
+/// bears: what it leaves may be its second order.
+fn is_mistold(prices: &Prices, set: &Tried, member: usize, best: &Tried) -> bool {
+    prices.groups[member].name == DitherScale::EFFECT.name()
+        && set.gain > MOSTLY * best.gain
+        && prices.posterior(&[member]).is_some_and(|(scales, _)| scales.amax() > GROSS)
 }
 
 /// Judges what the first log shows, with the second where there is one.

@@ -46,8 +46,8 @@ pub(crate) fn power(ln: f64) -> String {
     if log10.abs() < 4.0 { format!("{:.3}", ln.exp()) } else { format!("1e{log10:.0}") }
 }
 
-/// A scale of pick-offs within so much of it is a mistake that people make.
-const MISTAKEN: f64 = 0.2;
+/// Amplitudes that are told wrongly by a factor within so much of a known one are told so by the mistake that it comes of.
+const MISTAKEN: f64 = 0.15;
 
 /// No verdict is longer than this; what else there is to say follows in notes.
 const LONGEST: usize = 240;
@@ -166,22 +166,26 @@ pub(crate) fn details(d: &Diagnosis, gain: f64) -> Vec<String> {
     notes
 }
 
-/// What a scale of the pick-offs looks like, where it is one that people make by mistake.
+/// How the amplitudes of the dither are told, where they are told wrongly, and the mistake that it looks like. The dither acts by its mean
+/// square, and the scale is its first order: `1 - 2 k` times as much is felt as is told.
 fn pick_offs(found: &FoundEffect) -> Option<String> {
     if found.name != DitherScale::EFFECT.name() {
         return None;
     }
-    let is = |scale: f64| {
-        let off =
-            |(value, sigma): (&f64, &f64)| (value - scale).abs() < (MISTAKEN * scale.abs()).max(3.0 * sigma);
-        found.estimate.iter().zip(&found.sigma).all(off)
+    let told: Vec<f64> = found.estimate.iter().map(|k| (1.0 - 2.0 * k).max(0.0).sqrt().recip()).collect();
+    let are = |times: f64| told.iter().all(|told| (told / times - 1.0).abs() < MISTAKEN);
+    let looks = if are(FRAC_1_SQRT_2) {
+        ", as root mean squares are: multiply them by sqrt(2)"
+    } else if are(2.0) {
+        ", as peak to peak is: halve them"
+    } else {
+        ""
     };
-    let told = [
-        (FRAC_1_SQRT_2 - 1.0, "root mean squares: multiply them by sqrt(2)"),
-        (1.0, "told from peak to peak: halve them"),
-    ];
-    let (_, told) = told.into_iter().find(|(scale, _)| is(*scale))?;
-    Some(format!("the amplitudes of the dither look like {told}"))
+    let each: Vec<String> = told.iter().map(|told| format!("{told:.2}")).collect();
+    Some(format!(
+        "the log tells {} times the amplitudes that the accelerometers feel{looks}",
+        each.join(", ")
+    ))
 }
 
 /// A law with its coefficients, and what the logs cannot tell from it.
@@ -233,6 +237,8 @@ pub(crate) fn advice(effect_name: &str, other: &str) -> Option<String> {
         "add positions at 45 deg, where the forces along the axes have other sizes than 0 and 1 g"
     } else if effect_name.starts_with("gyro-rate") || effect_name.starts_with("gyro-scale-asymmetry") {
         "turn at several rates and in both senses, and not back by the same angle"
+    } else if is("dither-scale") {
+        "look up how the dither is told: amplitudes are expected, not root mean squares and not values from peak to peak"
     } else if is("inner-lever-arm-tangential") || is("inner-lever-arm") {
         "turn fast, with strong angular accelerations, about more than one axis"
     } else if is("reference-delay") {

@@ -163,3 +163,14 @@ fn a_reason_in_the_samples_withholds_every_name() {
     assert_eq!((decision.verdict, reason(&decision)), (Verdict::NotConfirmed, "a sensor is saturated"));
     assert!(decision.best.groups.is_empty() && decision.rivals.is_empty() && decision.correlates.is_empty());
 }
+
+#[test]
+fn amplitudes_that_may_be_told_wrongly_rival_what_they_nearly_explain() {
+    let alike = DMatrix::from_row_slice(2, 2, &[1.0, 0.99, 0.99, 1.0]) * 1e6;
+    let of = |size: f64| scene(prices(&["lever", "dither-scale"], alike.clone(), &[size, 0.0]));
+    let gross = judged(&of(1.0), None, None);
+    assert_eq!((gross.verdict, gross.rivals.as_slice()), (Verdict::Ambiguous, [vec![1]].as_slice()));
+    // a scale of a few percent is as linear as anything
+    let small = judged(&of(0.05), None, None);
+    assert_eq!((small.verdict, small.rivals.len()), (Verdict::EffectsFound, 0));
+}
