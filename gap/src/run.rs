@@ -9,10 +9,12 @@ use sinscal::{
 };
 
 use crate::candidates::prior_factor;
+use crate::decide::with;
 use crate::declaration::BaseFilter;
 use crate::error::SceneError;
 use crate::linear::{Found, Noise};
 use crate::log::Log;
+use crate::name::MARGIN;
 use crate::noise::price;
 use crate::prices::Prices;
 use crate::recording::{CORE, Column, Recorder, Recording};
@@ -25,6 +27,10 @@ const SETTLED: f64 = 1.0;
 const SMALL: f64 = 2e-3;
 /// ...and, times the largest move in standard deviations, less than this.
 const SECOND_ORDER: f64 = 0.1;
+/// No more candidates than this come first...
+const FOREMOST: usize = 6;
+/// ...and each adds this part of what those before it gain.
+const GOOD_PART: f64 = 0.2;
 /// No more recorded passes than this.
 const PASSES: usize = 4;
 /// The effect that a delay of the reference is.
@@ -152,7 +158,7 @@ impl<'a> Runs<'a> {
         let mut before: Option<(Vec<f64>, Gate)> = None;
         let mut passes = 0;
         loop {
-            let recorded = match self.record(log, noise, &columns, &About { values: &about, gate }) {
+            let recorded = match self.record(log, noise, &columns, &About { values: &about, gate }, all) {
                 // estimates that navigation does not survive are worse than those of the pass before
                 Err(SceneError::Diverged(_) | SceneError::Indefinite) if before.is_some() => {
                     (about, gate) = before.take().unwrap_or((about, gate));
@@ -163,7 +169,7 @@ impl<'a> Runs<'a> {
             };
             passes += 1;
             let moves: Vec<f64> =
-                recorded.ran.estimate.iter().zip(&about).map(|(e, about)| e - about).collect();
+                recorded.next.iter().zip(&about).map(|(next, about)| next - about).collect();
             let sigmas = moves.iter().zip(&recorded.sigmas).filter(|(_, sigma)| **sigma > 0.0);
             let moved = sigmas.map(|(by, sigma)| by.abs() / sigma).fold(0.0, f64::max);
             let is_small = || angle_of(&recorded.ran.recording, &moves) < SMALL.min(SECOND_ORDER / moved);
@@ -171,17 +177,18 @@ impl<'a> Runs<'a> {
                 return Ok(recorded.ran);
             }
             before = Some((about, gate));
-            (about, gate) = (recorded.ran.estimate, recorded.gate);
+            (about, gate) = (recorded.next, recorded.gate);
         }
     }
 
-    /// Records a pass about given values and prices the candidates.
+    /// Records a pass about given values and prices the candidates; the next one is about all of them, or about those that come first.
     fn record(
         &self,
         log: &Log,
         noise: &Noise,
         columns: &[Column],
         about: &About,
+        all: bool,
     ) -> Result<Pass, SceneError> {
         let mut recorder = Recorder::new(columns.len());
         let traced = self.everything().trace(log.samples, log.setup, about, &mut recorder)?;
@@ -194,19 +201,40 @@ impl<'a> Runs<'a> {
             channels: traced.channels,
         };
         let (found, prices) = price(&recording, noise).ok_or(SceneError::Indefinite)?;
-        let estimates = estimates(&recording, &found, &prices).ok_or(SceneError::Indefinite)?;
-        let (estimate, sigmas) = estimates.into_iter().unzip();
+        let of = |groups: &[usize]| {
+            let estimates = estimates(&recording, &found, &prices, groups).ok_or(SceneError::Indefinite)?;
+            Ok::<(Vec<f64>, Vec<f64>), SceneError>(estimates.into_iter().unzip())
+        };
+        let (estimate, sigmas) = of(&prices.all())?;
+        let (next, sigmas) = if all { (estimate.clone(), sigmas) } else { of(&foremost(&prices))? };
         let ran = Ran { recording, log_likelihood: found.log_likelihood, prices, estimate };
-        Ok(Pass { ran, sigmas, gate: traced.gate })
+        Ok(Pass { ran, next, sigmas, gate: traced.gate })
     }
 }
 
 /// What a recorded pass gives.
 struct Pass {
     ran: Ran,
-    /// Standard deviations of the estimates.
+    /// What the next pass is to be linearised about, and its standard deviations.
+    next: Vec<f64>,
     sigmas: Vec<f64>,
     gate: Gate,
+}
+
+/// The candidates that explain most, one after the other, as long as each adds a good part of what is explained so far. What comes after
+/// is small beside them, and on a measured log nothing to linearise about: many unknowns share out there what none of them is.
+fn foremost(prices: &Prices) -> Vec<usize> {
+    let (mut set, mut gain) = (Vec::new(), 0.0);
+    for _ in 0..FOREMOST {
+        let others = prices.all().into_iter().filter(|g| !set.contains(g));
+        let more = others.map(|g| (prices.gain(&with(&set, g)), with(&set, g)));
+        let Some((best, larger)) = more.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+        if best - gain < MARGIN.max(GOOD_PART * gain) {
+            break;
+        }
+        (set, gain) = (larger, best);
+    }
+    set
 }
 
 impl Machine for Runs<'_> {
@@ -270,12 +298,17 @@ fn angle_of(recording: &Recording, moves: &[f64]) -> f64 {
     angle
 }
 
-/// Estimate and standard deviation of every column under base and all candidates, from the run of the base filter that found
+/// Estimate and standard deviation of every column under base and some candidates, from the run of the base filter that found
 /// the candidates' prices; zero for what takes no part.
-fn estimates(recording: &Recording, found: &Found, prices: &Prices) -> Option<Vec<(f64, f64)>> {
-    let (priced, all) = (recording.candidates(), prices.all());
-    let (mean, covariance) = prices.estimates(&all, &vec![1.0; all.len()])?;
-    let members = prices.members(&all);
+fn estimates(
+    recording: &Recording,
+    found: &Found,
+    prices: &Prices,
+    groups: &[usize],
+) -> Option<Vec<(f64, f64)>> {
+    let priced = recording.candidates();
+    let (mean, covariance) = prices.estimates(groups, &vec![1.0; groups.len()])?;
+    let members = prices.members(groups);
     let mut estimates = vec![(0.0, 0.0); recording.columns.len()];
     for (k, member) in members.iter().enumerate() {
         estimates[priced[*member]] = (mean[k], covariance[(k, k)].sqrt());

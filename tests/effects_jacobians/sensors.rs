@@ -16,7 +16,7 @@ pub(crate) fn error(name: &str, s: &Signals<f64>, p: &[f64]) -> Vec<f64> {
         "gyro-misalignment" => (Matrix3::new(0.0, 0.0, 0.0, p[0], 0.0, 0.0, p[1], p[2], 0.0) * w, none),
         "gyro-bias" | "gyro-bias-wander" | "gyro-bias-random-walk" => (v(p), none),
         "gyro-temperature-bias" => (times(s.gyro_temperature), none),
-        "gyro-g-sensitivity" => (times(f), none),
+        "gyro-g-sensitivity" => (Matrix3::from_row_slice(&p[..9]) * f, none),
         "gyro-scale-asymmetry" => (times(w.abs()), none),
         "gyro-rate-nonlinearity" => (times(w.map(|x| x.signum() * x.powi(2))), none),
         "gyro-bias-drift" => (s.time * v(p), none),
