@@ -27,7 +27,7 @@ pub struct MyTrackedUnit {
 }
 
 fn main() {
-    const { assert!(MyUnit::DIM == 34 && MyTrackedUnit::DIM == 37) };
+    const { assert!(MyUnit::DIM == 40 && MyTrackedUnit::DIM == 43) };
     println!(
         "{} has {} states, {} has {}:",
         MyUnit::NAME,
