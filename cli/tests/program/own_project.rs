@@ -152,6 +152,13 @@ fn a_project_of_ones_own_does_everything() -> Done {
         .output()?;
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 
+    // what its own measurement needs, and a feature that the benchmark has switched on: tests, benchmark and program are one build
+    let manifest = fs::read_to_string(project.folder.join("Cargo.toml"))?.replace(
+        "[dependencies]\n",
+        "[dependencies]\nnalgebra = { version = \"0.35\", default-features = false }\neither = \"1\"\n",
+    );
+    fs::write(project.folder.join("Cargo.toml"), manifest)?;
+
     // as it is written: its tests pass, and its benchmark's check that covariances are equal
     project.cargo(&["test", "--quiet"])?;
     project.cargo(&["bench", "--quiet", "--profile", "dev", "--", "--test"])?;
@@ -160,12 +167,6 @@ fn a_project_of_ones_own_does_everything() -> Done {
 
     // with a measurement of its own
     fs::write(project.folder.join("src/lib.rs"), LIB)?;
-    let manifest = fs::read_to_string(project.folder.join("Cargo.toml"))?;
-    let manifest = manifest.replace(
-        "[dependencies]\n",
-        "[dependencies]\nnalgebra = { version = \"0.35\", default-features = false }\n",
-    );
-    fs::write(project.folder.join("Cargo.toml"), manifest)?;
     let main = fs::read_to_string(project.folder.join("src/main.rs"))?;
     assert!(main.lines().count() <= 10, "{main}");
 
