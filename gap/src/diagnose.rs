@@ -138,6 +138,13 @@ fn workflow(
             ));
         }
     }
+    for (log, survey) in [("this log", Some(&here)), ("the second log", there.as_ref())] {
+        if let Some((read, told)) = survey.and_then(|survey| survey.look.fahrenheit()) {
+            d.notes.push(format!(
+                "the temperatures of {log} begin at {read:.1} degC: {read:.1} degF would be {told:.1} degC"
+            ));
+        }
+    }
     if same {
         d.notes.push("the second log is the first one again, and confirms nothing: it was left out".into());
     }
