@@ -104,7 +104,8 @@ fn log(odd: &Oddity, hidden: Option<(&str, f64)>, run: u64) -> (Vec<Sample>, rig
     });
     if let Some((name, size)) = hidden {
         let effect = any_effect(name).unwrap();
-        let mean: Vec<f64> = [1.0, -0.9, 0.6].into_iter().take(effect.dim()).map(|k| k * size).collect();
+        let mean: Vec<f64> =
+            [1.0, -0.9, 0.6].into_iter().cycle().take(effect.dim()).map(|k| k * size).collect();
         scenario.population.retain(|p| p.effect.name() != name);
         scenario.population.push(Population { effect, sigma: vec![0.0; mean.len()], mean });
     }
