@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 use runs::AnyFilter;
-use sinscal::{AnyEffect, EffectInfo, Setup};
+use sinscal::{AnyEffect, DitherScale, Effect as _, EffectInfo, Setup};
 
+use crate::candidates::amplitudes;
 use crate::decide::{Decision, decide, withheld};
 use crate::declaration::declaration;
 use crate::error::{Error, FIRST, SECOND, SceneError};
@@ -127,6 +128,14 @@ fn workflow(
             }
             done => done?,
         }
+    }
+    for effect in d.effects.iter_mut().filter(|effect| effect.name == DitherScale::EFFECT.name()) {
+        let (values, sigmas) = (&mut effect.estimate, &mut effect.sigma);
+        effect.estimate_verify.iter_mut().flatten().for_each(|value| *value = amplitudes((*value, 0.0)).0);
+        values
+            .iter_mut()
+            .zip(sigmas)
+            .for_each(|(value, sigma)| (*value, *sigma) = amplitudes((*value, *sigma)));
     }
     for (log, scene) in [("this log", Some(&first)), ("the second log", second.as_ref())] {
         if let Some((rows, late)) = scene.map(|scene| scene.survey.late).filter(|late| late.0 != 0) {

@@ -166,13 +166,12 @@ pub(crate) fn details(d: &Diagnosis, gain: f64) -> Vec<String> {
     notes
 }
 
-/// How the amplitudes of the dither are told, where they are told wrongly, and the mistake that it looks like. The dither acts by its mean
-/// square, and the scale is its first order: `1 - 2 k` times as much is felt as is told.
+/// How the amplitudes of the dither are told, where they are told wrongly, and the mistake that it looks like.
 fn pick_offs(found: &FoundEffect) -> Option<String> {
     if found.name != DitherScale::EFFECT.name() {
         return None;
     }
-    let told: Vec<f64> = found.estimate.iter().map(|k| (1.0 - 2.0 * k).max(0.0).sqrt().recip()).collect();
+    let told: Vec<f64> = found.estimate.iter().map(|k| 1.0 + k).collect();
     let are = |times: f64| told.iter().all(|told| (told / times - 1.0).abs() < MISTAKEN);
     let looks = if are(FRAC_1_SQRT_2) {
         ", as root mean squares are: multiply them by sqrt(2)"

@@ -46,6 +46,9 @@ fn root_mean_squares_and_peaks_to_peak_are_told_as_such() {
             Verdict::EffectsFound => {
                 assert_eq!(names, ["dither-scale"], "{}", d.sentence);
                 assert!(d.notes.iter().any(|note| note.contains(looks)), "{:?}", d.notes);
+                for (scale, sigma) in d.effects[0].estimate.iter().zip(&d.effects[0].sigma) {
+                    assert!((scale - (times - 1.0)).abs() < 4.0 * sigma, "{times}: {scale} +- {sigma}");
+                }
             }
             // the same as arms that are shifted together
             Verdict::Ambiguous => {
