@@ -1,5 +1,6 @@
 //! The closed-loop calibration run: navigation, sensitivities and filter over a log.
 
+mod beginning;
 mod estimates;
 mod foresee;
 mod known;
@@ -7,10 +8,11 @@ mod update;
 
 use calib_core::{
     Conventional, CoreVector, Fade, Filter, Form, Kalman, Relaxation, Shape, StateInfo, Transition, Vector,
-    considered_in, first_state, relaxations, relaxing,
+    first_state, relaxations,
 };
 use nalgebra::{Matrix3, Vector3};
 
+pub(crate) use self::beginning::Beginning;
 pub use self::known::Known;
 use crate::compensation::Compensator;
 use crate::gate::Gate;
@@ -18,8 +20,8 @@ use crate::measurements::{self, Measurement, Readings};
 use crate::outcome::{Diverged, Statistics, Update};
 use crate::strapdown::{Before, Increments, NavigationState};
 use crate::{
-    Event, InitialAttitude, Missed, Observer, Open, OpenBlocks, OuterLeverArm, Point, Sample, Setup,
-    SetupError, Signals, Strapdown, earth, probe,
+    Event, InitialAttitude, Missed, Observer, OpenBlocks, OuterLeverArm, Point, Sample, Setup, SetupError,
+    Signals, Strapdown, earth, probe,
 };
 
 /// The Jacobians of the sensor errors may be taken as constant while the body turns by less than this, rad.
@@ -28,10 +30,6 @@ const STEP_ANGLE: f64 = 0.02;
 const STEP_TIME: f64 = 0.1;
 /// Without a reference the covariance still moves at least this often, s.
 const PREDICT_TIME: f64 = 1.0;
-/// Standard deviation of the position at the first sample, m. Wide on purpose: the first position update then leaves
-/// exactly the correlation between position and outer lever arm that `p = p_ref - C l` implies.
-const INITIAL_POSITION_SIGMA: f64 = 10.0;
-
 /// A closed-loop calibration with the declared filter `F`, its covariance in form `C`.
 ///
 /// Navigation runs at the rate of the samples. Between updates the rows `[Phi Psi]` are accumulated; at the reference's
@@ -136,41 +134,13 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
     ///
     /// # Panics
     /// When a block contradicts itself: the message is the [`Fault`](crate::Fault) that [`probe`](crate::probe()) returns.
-    pub fn with_prior(setup: &Setup, mut adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
+    pub fn with_prior(setup: &Setup, adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
         if let Err(fault) = probe::<F>() {
             panic!("{fault}");
         }
-        let blocks = setup.open;
-        let mut prior = F::Shape::vector(0.0);
-        let mut relaxing = relaxing::<F, f64>();
-        if let Some(first) = first_state::<F, Open>() {
-            blocks.relaxations(|place, relaxation| relaxing[first + place] = relaxation);
-        }
-        let mut considered = F::Shape::vector(false);
-        considered_in::<F>(|state| considered[state] = true);
-        let mut i = 0;
-        blocks.states_of::<F>(&mut |info| {
-            considered[i] |= i >= F::Shape::CORE && setup.considered.contains(&info.block);
-            prior[i] = setup.prior(info.block).unwrap_or(info.prior_sigma);
-            prior[i] = adjust(i, &info, prior[i]);
-            relaxing[i] = setup.relaxation(info.block, prior[i], relaxing[i]);
-            i += 1;
-        });
-        let initial = &setup.initial;
-        let start = [
-            initial.level_sigma,
-            initial.level_sigma,
-            initial.heading_sigma,
-            setup.velocity.sigma,
-            setup.velocity.sigma,
-            setup.velocity.sigma,
-            INITIAL_POSITION_SIGMA,
-            INITIAL_POSITION_SIGMA,
-            INITIAL_POSITION_SIGMA,
-        ];
+        let Beginning { prior, considered, relaxing } = Beginning::<F>::new(setup, adjust);
         let mut density = F::Shape::core_vector(0.0);
         for i in 0..F::Shape::CORE {
-            prior[i] = start[i];
             density[i] = match i {
                 0..3 => setup.noise.angle_random_walk,
                 3..6 => setup.noise.velocity_random_walk,
@@ -188,7 +158,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             angle_random_walk: setup.noise.angle_random_walk,
             reference_temperature: setup.reference_temperature,
             outer_lever: setup.outer_lever,
-            open: blocks,
+            open: setup.open,
         };
         let mut navigation = NavigationState::at_rest(&setup.site, setup.initial.attitude);
         navigation.velocity = setup.velocity.velocity;
@@ -202,7 +172,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
             relaxing,
             lever_at: first_state::<F, OuterLeverArm>(),
             pilot: None,
-            compensator: Compensator::new(setup.reference_temperature).with_open(blocks),
+            compensator: Compensator::new(setup.reference_temperature).with_open(setup.open),
             navigation,
             before: Before::nothing(),
             previous_rate: Vector3::zeros(),

@@ -24,7 +24,8 @@ use calib_core::{
     relaxes,
 };
 
-use crate::{Calibration, Conventional, OpenBlocks, Point, Relaxation, Setup, Signals, Strapdown};
+use crate::calibration::Beginning;
+use crate::{OpenBlocks, Point, Relaxation, Setup, Signals, Strapdown};
 
 #[cfg(feature = "std")]
 pub use directions::{Direction, basis};
@@ -58,13 +59,7 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
                 noise[row] = setup.sigma(info);
             }
         }
-        let run = Calibration::<F, Conventional>::with_prior(setup, |_, _, sigma| sigma);
-        let p = run.covariance();
-        let mut prior = F::Shape::vector(0.0);
-        for i in 0..F::Shape::STATES {
-            prior[i] = nalgebra::ComplexField::sqrt(p[i][i]);
-        }
-        let relaxing = run.relaxing().clone();
+        let Beginning { prior, relaxing, .. } = Beginning::<F>::new(setup, |_, _, sigma| sigma);
         Self { prior, relaxing, noise, open: setup.open, triangle: Triangle::default() }
     }
 

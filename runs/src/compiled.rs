@@ -156,7 +156,7 @@ impl<F: Filter<Dynamics = Strapdown>> Compiled for Of<F> {
         trace: &mut dyn Trace,
     ) -> Result<Traced, Error> {
         let setup = Setup { open: selection.open, ..*setup };
-        let mut pass = Box::new(Calibration::<F, Known>::with_prior(&setup, |_, _, sigma| sigma));
+        let mut pass = boxed(|| Calibration::<F, Known>::with_prior(&setup, |_, _, sigma| sigma));
         pass.judge_as(about.gate);
         let mut traced = begun::<F, _>(&pass, selection);
         pass.begin_known(&placed::<F>(selection, about.values));
@@ -169,6 +169,13 @@ impl<F: Filter<Dynamics = Strapdown>> Compiled for Of<F> {
         (traced.gate, traced.statistics) = (pass.gate(), *pass.statistics());
         Ok(traced)
     }
+}
+
+/// On the heap, by way of a stack frame that ends here: the matrices of all blocks at once fill a good part of a thread's stack, and
+/// without full optimisation a frame keeps room for everything that was ever made in it.
+#[inline(never)]
+pub(crate) fn boxed<T>(make: impl FnOnce() -> T) -> Box<T> {
+    Box::new(make())
 }
 
 /// What a traced pass of a calibration begins with.

@@ -1,10 +1,10 @@
 //! What a motion that is known beforehand will show.
 
 use calib_core::{Array, Filter, Shape};
-use sinscal::{Calibration, Conventional, Point, Reference, Setup, Signals, Strapdown};
+use sinscal::{Calibration, Conventional, Point, Reference, Setup, Signals, StateInfo, Strapdown};
 
 use crate::Error;
-use crate::compiled::Selection;
+use crate::compiled::{Selection, boxed};
 
 /// A piece of a motion that is known beforehand.
 #[derive(Clone, Debug)]
@@ -40,10 +40,9 @@ pub(crate) fn foresee<F: Filter<Dynamics = Strapdown>>(
     selection: &Selection,
 ) -> Result<Vec<f64>, Error> {
     let setup = Setup { open: selection.open, ..*setup };
-    let mut run = Box::new(Calibration::<F, Conventional>::with_prior(&setup, |state, _, sigma| {
-        let takes_part = state < F::Shape::CORE || selection.place(state).is_some();
-        if takes_part { sigma } else { 0.0 }
-    }));
+    let takes_part = |state| state < F::Shape::CORE || selection.place(state).is_some();
+    let prior = |state, _: &StateInfo, sigma| if takes_part(state) { sigma } else { 0.0 };
+    let mut run = boxed(|| Calibration::<F, Conventional>::with_prior(&setup, prior));
     for piece in ahead {
         match piece {
             Piece::Moves { at, signals, dt } => run.foresee(&at, &signals, dt),

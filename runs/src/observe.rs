@@ -10,7 +10,7 @@ use sinscal::{
 };
 
 use crate::Error;
-use crate::compiled::{Selection, own};
+use crate::compiled::{Selection, boxed, own};
 use crate::compose::Composition;
 use crate::filter::AnyFilter;
 use crate::samples::{Extent, Samples, each};
@@ -107,9 +107,9 @@ pub(crate) fn look<F: Filter<Dynamics = Strapdown>>(
         let measures = F::MEASURES.iter().map(|info| info.name).collect::<Vec<_>>().join(" and ");
         return Err(Error::NoUpdate { filter: F::NAME.to_owned(), measures });
     }
-    let mut run = Box::new(Calibration::<F, Conventional>::with_prior(setup, |_, _, sigma| sigma));
+    let mut run = boxed(|| Calibration::<F, Conventional>::with_prior(setup, |_, _, sigma| sigma));
     let before = prior(&run);
-    let mut information = Box::new(Information::new(&run));
+    let mut information = boxed(|| Information::new(&run));
     let mut segmenter = Segmenter::new(setup);
     let mut stack = Stack::<F>::new(setup, unread, (extent.first - 1.0 / setup.rate, extent.last), selection);
     let mut diverged = None;
@@ -127,7 +127,7 @@ pub(crate) fn look<F: Filter<Dynamics = Strapdown>>(
     }
 
     let degrees = stack.close();
-    let found = stack.whole.decompose();
+    let found = boxed(|| stack.whole.decompose());
     let held = |value: &usize| stack.held.iter().any(|state| found.direction(*value)[*state].abs() > 0.5);
     let shown: Vec<usize> = (0..F::Shape::STATES).filter(|value| !held(value)).collect();
     let bound = information.sigmas();
@@ -153,7 +153,7 @@ pub(crate) fn look<F: Filter<Dynamics = Strapdown>>(
         direction
     };
     let basis = |found, which| basis::<F>(found, which).into_iter().map(named).collect::<Vec<_>>();
-    let ignorance = information.ignorance(&run);
+    let ignorance = boxed(|| information.ignorance(&run));
     let weak = ignorance.values().iter().take_while(|part| **part > WEAK).count();
     let weak = basis(&ignorance, 0..weak)
         .into_iter()
@@ -203,7 +203,7 @@ struct Stack<'a, F: Filter<Dynamics = Strapdown>> {
     spans: [f64; SPANS + 1],
     whole: Box<Observability<F>>,
     part: Box<Observability<F>>,
-    degrees: Vec<Decomposition<F::Shape, f64>>,
+    degrees: Vec<Box<Decomposition<F::Shape, f64>>>,
     /// States that take no part.
     held: Vec<usize>,
     dithers: bool,
@@ -222,8 +222,8 @@ impl<'a, F: Filter<Dynamics = Strapdown>> Stack<'a, F> {
         let mut stack = Self {
             setup,
             spans: std::array::from_fn(|i| start + (end - start) * i as f64 / SPANS as f64),
-            whole: Box::new(nothing_seen(setup, &unread)),
-            part: Box::new(nothing_seen(setup, &unread)),
+            whole: boxed(|| nothing_seen(setup, &unread)),
+            part: boxed(|| nothing_seen(setup, &unread)),
             unread,
             degrees: Vec::new(),
             held,
@@ -249,12 +249,12 @@ impl<'a, F: Filter<Dynamics = Strapdown>> Stack<'a, F> {
 
     fn close_span(&mut self) {
         self.whole.join(&self.part);
-        self.degrees.push(self.part.decompose());
-        *self.part = nothing_seen(self.setup, &self.unread);
+        self.degrees.push(boxed(|| self.part.decompose()));
+        self.part = boxed(|| nothing_seen(self.setup, &self.unread));
     }
 
     /// Ends the last span and gives what was found in each.
-    fn close(&mut self) -> Vec<Decomposition<F::Shape, f64>> {
+    fn close(&mut self) -> Vec<Box<Decomposition<F::Shape, f64>>> {
         while self.degrees.len() < SPANS {
             self.close_span();
         }

@@ -8,7 +8,7 @@ use sinscal::{
     Site, SiteRests, Smoother, StateInfo, Statistics, Strapdown,
 };
 
-use crate::compiled::{Selection, begun, placed};
+use crate::compiled::{Selection, begun, boxed, placed};
 use crate::filter::AnyFilter;
 use crate::history::History;
 use crate::look::Look;
@@ -154,7 +154,7 @@ type Scoring<F> = Option<Tracer<F, Scores>>;
 
 struct Run<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> {
     title: String,
-    calibration: Calibration<F, C>,
+    calibration: Box<Calibration<F, C>>,
     options: Options,
     selection: Selection,
     interval: f64,
@@ -173,6 +173,7 @@ struct Run<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> {
 
 impl<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> Run<F, C> {
     fn new(title: String, setup: &Setup, options: &Options, selection: &Selection) -> Self {
+        let setup = Setup { open: selection.open, ..*setup };
         let coarse = options.coarse.as_ref();
         let prior = |state, info: &StateInfo, sigma| match selection.place(state) {
             None if state >= F::Shape::CORE => 0.0,
@@ -181,7 +182,7 @@ impl<F: Filter<Dynamics = Strapdown>, C: sinscal::Form> Run<F, C> {
         };
         Self {
             title,
-            calibration: Calibration::with_prior(&Setup { open: selection.open, ..*setup }, prior),
+            calibration: boxed(|| Calibration::with_prior(&setup, prior)),
             options: options.clone(),
             selection: selection.clone(),
             interval: 1.0 / setup.rate,
