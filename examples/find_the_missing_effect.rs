@@ -65,7 +65,7 @@ pub(crate) fn find(options: &Options) -> Result<Diagnosis, Box<dyn std::error::E
     Ok(diagnose(
         &*filter,
         vocabulary.effects(),
-        &Log { samples: &first.0, setup: &here },
+        &[Log { samples: &first.0, setup: &here }],
         Some(&Log { samples: &second.0, setup: &there }),
         options,
         &mut |stage, done| eprintln!("{:3.0} % {stage}", 100.0 * done),

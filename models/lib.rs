@@ -188,6 +188,8 @@ pub use effects::{
     AnyBlock, AnyEffect, CATALOGUE, Catalogue, EFFECTS, Effect, EffectInfo, INFLUENCES, Kind, any_effect,
     effect,
 };
+#[cfg(feature = "std")]
+pub use effects::{Law, Motion};
 pub use filters::{
     FILTERS, FilterInfo, FilterVisitor, Mems30, PAPER, Sins36P, Sins39P, Sins40P, Sins43B, Sins43P,
     Tracked35, literature, visit_filter,

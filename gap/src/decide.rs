@@ -298,7 +298,8 @@ fn strip(
             })
             .collect();
         // what is said of a delay that was taken out beforehand is no measure for the rest
-        let out = |i: &usize| first.survey.late.0 != 0 && first.prices.groups[best.groups[*i]].name == DELAY;
+        let late = first.surveys.iter().any(|survey| survey.late.0 != 0);
+        let out = |i: &usize| late && first.prices.groups[best.groups[*i]].name == DELAY;
         let beforehand: f64 = (0..gains.len()).filter(out).map(|i| gains[i]).sum();
         let is_trace = |i: usize| gains[i] < TRACE * (best.gain - beforehand);
         let weak = (0..best.groups.len())

@@ -1,7 +1,9 @@
 //! Writes the filter that has the missing effects.
 
+use core::fmt::Write as _;
+
 use runs::AnyFilter;
-use sinscal::InnerLeverArm;
+use sinscal::{InnerLeverArm, Kind, Law};
 
 /// What must be known of the filter that is extended.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -58,7 +60,51 @@ pub fn fields(base: &BaseFilter, effects: &[&str]) -> String {
     fields
 }
 
-/// Rust source that declares `base` with `effects` added, with [`fields`].
+/// Rust source of a law as a block, for a file that uses the prelude and [`USED_BY_LAWS`].
+pub fn block(law: &Law) -> String {
+    let effect = law.effect().info();
+    let (name, equation) = (effect.name(), effect.equation());
+    let (kind, first) = if law.kind() == Kind::Rate { ("Rate", "RATE") } else { ("Force", "FORCE") };
+    let of_type = type_name(name);
+    let kin = effect.kin().map_or(String::new(), |kin| format!("\n        .akin_to({kin:?})"));
+    format!(
+        r#"/// `{equation}`: how an error goes, and not why.
+#[derive(Debug)]
+pub struct {of_type};
+
+impl Effect for {of_type} {{
+    const EFFECT: EffectInfo = EffectInfo::new({name:?}, sinscal::Kind::{kind}, &["x", "y", "z"], {unit:?}, {prior:?})
+        .model({equation:?}, {description:?})
+        .sheet({sheet:?}, {scale:?}){kin};
+}}
+
+impl Block for {of_type} {{
+    type Dynamics = Strapdown;
+    type View<'a, T: Real> = BlockView<'a, Self, T>;
+    const NAME: &'static str = {name:?};
+    const DIM: usize = 3;
+
+    fn states(visit: &mut dyn FnMut(StateInfo)) {{
+        Self::EFFECT.states(visit);
+    }}
+
+    fn input_jacobian<T: Real>(signals: &Signals<T>, put: &mut impl FnMut(usize, usize, T)) {{
+        for i in 0..3 {{
+            put(sinscal::{first} + i, i, {code});
+        }}
+    }}
+}}
+"#,
+        unit = effect.unit(),
+        prior = effect.prior_sigma,
+        description = effect.description(),
+        sheet = effect.sheet_unit,
+        scale = effect.sheet_scale,
+        code = law.code(),
+    )
+}
+
+/// Rust source that declares `base` with `effects` added, with [`fields`], and every [`block`] of a law among them.
 pub fn declaration(base: &BaseFilter, effects: &[&str]) -> String {
     let own = base.path.rsplit("::").next().unwrap_or(&base.path);
     let fields = fields(base, effects);
@@ -68,19 +114,41 @@ pub fn declaration(base: &BaseFilter, effects: &[&str]) -> String {
         name += &format!("-{effect}");
         of_type += &type_name(effect);
     }
-    format!(
-        "use sinscal::prelude::*;\n\n/// {} with {}.\n#[derive(Debug, StateBlocks)]\n#[filter(name = \"{name}\", \
+    let laws: Vec<Law> = effects.iter().filter_map(|effect| Law::named(effect)).collect();
+    let used = if laws.is_empty() { "" } else { USED_BY_LAWS };
+    let source = format!(
+        "use sinscal::prelude::*;\n{used}\n/// {} with {}.\n#[derive(Debug, StateBlocks)]\n#[filter(name = \"{name}\", \
          measures({}))]\npub struct {of_type} {{\n    #[base]\n    base: {},\n{fields}}}\n",
         base.name,
         effects.join(", "),
         base.measures.join(", "),
         base.path,
-    )
+    );
+    laws.iter().fold(source, |mut source, law| {
+        // Writing to a string does not fail.
+        let _ = write!(source, "\n{}", block(law));
+        source
+    })
 }
+
+/// What the source of a law needs beside the prelude.
+pub const USED_BY_LAWS: &str = "use sinscal::{Effect, EffectInfo, Signals};\n";
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_law_is_written_as_a_block_of_its_equation() {
+        let law = Law::named("accel-bias-by-temperature-times-force-j-squared").unwrap();
+        let source = block(&law);
+        let product =
+            "put(sinscal::FORCE + i, i, signals.temperature[i] * signals.force[(i + 1) % 3].powi(2));";
+        for part in ["pub struct AccelBiasByTemperatureTimesForceJSquared;", product, "sinscal::Kind::Force"]
+        {
+            assert!(source.contains(part), "{part}\n{source}");
+        }
+    }
 
     #[test]
     fn dither_couples_through_inner_lever_arms() {

@@ -7,17 +7,17 @@ use sinscal::{AnyEffect, DitherScale, Effect as _, EffectInfo, Setup};
 use crate::candidates::amplitudes;
 use crate::decide::{Decision, decide, withheld};
 use crate::declaration::declaration;
-use crate::error::{Error, FIRST, SECOND, SceneError};
+use crate::error::{Error, Which};
 use crate::excite::indistinguishable;
-use crate::laws::review;
 use crate::linear::Noise;
 use crate::locate::{locate, locate_family};
-use crate::log::{Log, Survey};
+use crate::log::{Log, Survey, Surveyed};
 use crate::open::Open;
 use crate::parallel::both;
 use crate::partial::scattered;
 use crate::report::{Diagnosis, FoundEffect, NoiseScale, Rival, Verdict};
-use crate::rerun::rerun;
+use crate::rerun::{Added, rerun};
+use crate::review::review;
 use crate::run::{DELAY, Machine, Runs};
 use crate::scene::{EXCITED, Scene};
 use crate::white::whiteness;
@@ -43,82 +43,105 @@ impl Default for Options {
 /// log10 of a p-value of whiteness that is worth a note.
 const COLOURED: f64 = -6.0;
 
-/// Diagnoses `log` with `filter` against those of `effects` that it lacks, and asks `verify` where there is one.
+/// Diagnoses `logs` of one unit with `filter` against those of `effects` that it lacks, and asks `verify` where there is one.
 ///
-/// `progress` is told the stage and how much of the work is done.
+/// What is missing is the same in all logs, and their evidence adds: what the filter estimates begins anew with each. `progress` is told the stage and how much of the work is done.
 ///
 /// # Errors
 /// When a filter diverges, a log is too short, or the effects cannot be added to the filter.
 pub fn diagnose(
     filter: &dyn AnyFilter,
     effects: &[&'static dyn AnyEffect],
-    log: &Log,
+    logs: &[Log],
     verify: Option<&Log>,
     options: &Options,
     progress: &mut dyn FnMut(&'static str, f64),
 ) -> Result<Diagnosis, Error> {
-    workflow(&Runs::new(filter, effects)?, log, verify, options, progress)
+    workflow(&Runs::new(filter, effects)?, logs, verify, options, progress)
 }
 
 fn workflow(
     machine: &dyn Machine,
-    log: &Log,
+    logs: &[Log],
     verify: Option<&Log>,
     options: &Options,
     progress: &mut dyn FnMut(&'static str, f64),
 ) -> Result<Diagnosis, Error> {
     progress("reading", 0.0);
-    let (there, here) = both(|| verify.map(Survey::of), || Survey::of(log));
-    let here = here.map_err(|e| Error::of(FIRST, e.into()))?;
-    let there = there.transpose().map_err(|e| Error::of(SECOND, e.into()))?;
-    let same = there.is_some_and(|there| there.is_same(&here));
+    let (there, here) = both(|| verify.map(Survey::of), || logs.iter().map(Survey::of).collect::<Vec<_>>());
+    let there = there.transpose().map_err(|e| Error::of(Which::Verification, e.into()))?;
+    let here = here
+        .into_iter()
+        .enumerate()
+        .map(|(place, survey)| survey.map_err(|e| Error::of(Which::Log(place), e.into())));
+    let here = here.collect::<Result<Vec<Survey>, Error>>()?;
+    // the same data twice are no more evidence
+    let is_again = |place: &usize| here[..*place].iter().any(|other| other.is_same(&here[*place]));
+    let (again, places): (Vec<usize>, Vec<usize>) = (0..here.len()).partition(is_again);
+    let same = there.is_some_and(|there| here.iter().any(|here| there.is_same(here)));
     let there = there.filter(|_| !same);
-    let setup = here.setup(log);
-    let there_setup = verify.zip(there.as_ref()).map(|(log, survey)| survey.setup(log));
-    let mut rarely = vec![rarer("this log", log.setup, &setup)];
-    if let (Some(verify), Some(used)) = (verify, &there_setup) {
-        rarely.push(rarer("the second log", verify.setup, used));
-    }
-    let log = &Log { setup: &setup, ..*log };
-    let verify = verify.zip(there_setup.as_ref()).map(|(log, setup)| Log { setup, ..*log });
-    let verify = verify.as_ref();
+    let setups: Vec<Setup> = places.iter().map(|p| here[*p].setup(&logs[*p], places.len())).collect();
+    let there_setup = verify.zip(there.as_ref()).map(|(log, survey)| survey.setup(log, 1));
+    let surveyed = |(place, setup)| {
+        let which = Which::Log(place);
+        Surveyed { log: Log { setup, ..logs[place] }, survey: here[place], which }
+    };
+    let taken: Vec<Surveyed> = places.iter().copied().zip(&setups).map(surveyed).collect();
+    let Some(log) = taken.first().map(|one| one.log) else {
+        return Err(Error::TooShort { log: Which::FIRST, updates: 0 });
+    };
+    let verify = verify.zip(there_setup.as_ref()).zip(there).map(|((log, setup), survey)| {
+        let which = Which::Verification;
+        (log.setup, Surveyed { log: Log { setup, ..*log }, survey, which })
+    });
+    let of_logs = taken.iter().map(|one| rarer(&called(one.which, taken.len()), log.setup, one.log.setup));
+    let mut rarely: Vec<Option<String>> = of_logs.collect();
+    rarely.extend(verify.map(|(asked, there)| rarer(&called(there.which, 1), asked, there.log.setup)));
+    let verify = verify.map(|(_, there)| there);
     progress("recording a pass with every effect", 0.05);
     let (second, first) = both(
-        || verify.zip(there.as_ref()).map(|(log, survey)| Scene::new(machine, log, survey)),
-        || Scene::new(machine, log, &here),
+        || verify.as_ref().map(|there| Scene::new(machine, core::slice::from_ref(there))),
+        || Scene::new(machine, &taken),
     );
-    let first = first.map_err(|e| Error::of(FIRST, e))?;
+    let first = first?;
     let (second, unusable) = usable(second)?;
-    let verify = verify.filter(|_| second.is_some());
     // nor may what stands in it keep a name from the first
-    let there = there.filter(|_| second.is_some());
+    let verify = verify.filter(|_| second.is_some());
     progress("pricing what is in no library", 0.45);
     let rate = options.false_alarms / 2.0;
     let (open, limit) = both(
         || Open::new(&first, rate, options.seed),
         || threshold::simulate(&first.prices, &first.excited(), rate, options.seed, "library"),
     );
-    let open = open.map_err(|e| Error::of(FIRST, e))?;
+    let open = open.map_err(|e| Error::of(Which::FIRST, e))?;
     progress("naming and verifying", 0.6);
     let mut decision = decide(&first, second.as_ref(), open.as_ref(), limit, &|name| {
         log.setup.priors.iter().find(|prior| prior.0 == name && prior.0 != DELAY).map(|prior| prior.1)
     })
-    .map_err(|e| Error::of(SECOND, e))?;
-    let saturated = here.look.saturated().or_else(|| there.and_then(|there| there.look.saturated()));
-    let mut laws = Vec::new();
+    .map_err(|e| Error::of(Which::Verification, e))?;
+    let saturated = taken.iter().chain(&verify).find_map(|one| one.survey.look.saturated());
+    let mut law = None;
     match saturated {
         Some(saturated) => decision = withheld(&first, format!("the {saturated}")),
         None => {
             progress("asking the neighbours", 0.65);
             let kind = |name: &str| machine.entry(name).map(EffectInfo::kind);
-            laws = review(&first, second.as_ref(), open.as_ref(), &mut decision, &kind);
+            law = review(&first, second.as_ref(), open.as_ref(), &mut decision, &kind);
         }
     }
     let mut d = report(machine, &first, second.as_ref(), open.as_ref(), &decision);
-    d.laws = laws;
-    if options.rerun && !decision.best.groups.is_empty() {
+    if let Some(law) = &law {
+        d.laws.push(law.said.clone());
+        let name = law.said.name.as_str();
+        let added: Vec<&str> = law.said.beside.iter().map(String::as_str).chain([name]).collect();
+        d.source = Some(declaration(&machine.base(), &added));
+    }
+    let groups = law.as_ref().map_or(&decision.best.groups, |law| &law.beside);
+    if options.rerun && (law.is_some() || !groups.is_empty()) {
         progress("running the filter with what was found", 0.7);
-        match rerun(machine, log, verify, (&first, second.as_ref()), &decision, &mut d) {
+        let scenes = (&first, second.as_ref());
+        let added = Added::new(scenes, groups, law.as_ref())?;
+        match rerun(machine, &taken, verify.as_ref(), scenes, &added, &mut d) {
             // what was found stands; a filter that lacks it may well not survive a long log
             Err(Error::Diverged { log, source }) => {
                 let time = source.time;
@@ -137,8 +160,10 @@ fn workflow(
             .zip(sigmas)
             .for_each(|(value, sigma)| (*value, *sigma) = amplitudes((*value, *sigma)));
     }
-    for (log, scene) in [("this log", Some(&first)), ("the second log", second.as_ref())] {
-        if let Some((rows, late)) = scene.map(|scene| scene.survey.late).filter(|late| late.0 != 0) {
+    for one in taken.iter().chain(&verify) {
+        let log = called(one.which, taken.len());
+        let (rows, late) = one.survey.late;
+        if rows != 0 {
             d.notes.push(format!(
                 "in {log} reference and inertial sensors show the same motion {:.0} ms apart: the reference was taken {} rows {} before anything else; values of reference-delay are the whole delay",
                 1e3 * late.abs(),
@@ -146,13 +171,15 @@ fn workflow(
                 if rows > 0 { "earlier" } else { "later" }
             ));
         }
-    }
-    for (log, survey) in [("this log", Some(&here)), ("the second log", there.as_ref())] {
-        if let Some((read, told)) = survey.and_then(|survey| survey.look.fahrenheit()) {
+        if let Some((read, told)) = one.survey.look.fahrenheit() {
             d.notes.push(format!(
                 "the temperatures of {log} begin at {read:.1} degC: {read:.1} degF would be {told:.1} degC"
             ));
         }
+    }
+    for place in again {
+        let log = called(Which::Log(place), logs.len());
+        d.notes.push(format!("{log} is one of those before it again, and was left out"));
     }
     if same {
         d.notes.push("the second log is the first one again, and confirms nothing: it was left out".into());
@@ -165,16 +192,22 @@ fn workflow(
     Ok(d)
 }
 
+/// A log as notes call it, one of so `many` that are diagnosed.
+fn called(which: Which, many: usize) -> String {
+    match which {
+        Which::Log(_) if many < 2 => "this log".into(),
+        Which::Log(_) => format!("the {which}"),
+        Which::Verification => "the second log".into(),
+    }
+}
+
 /// The second log, or why it was left out: what a filter cannot run over confirms nothing, and does not end the diagnosis of the
 /// first. A sample that cannot be read is a fault of the file, and stays an error.
-fn usable(second: Option<Result<Scene, SceneError>>) -> Result<(Option<Scene>, Option<String>), Error> {
+fn usable(second: Option<Result<Scene, Error>>) -> Result<(Option<Scene>, Option<String>), Error> {
     match second.transpose() {
         Ok(second) => Ok((second, None)),
-        Err(SceneError::Unreadable(source)) => Err(Error::of(SECOND, SceneError::Unreadable(source))),
-        Err(unusable) => {
-            let why = Error::of(SECOND, unusable);
-            Ok((None, Some(format!("the second log cannot be used, and was left out: {why}"))))
-        }
+        Err(unreadable @ Error::Unreadable { .. }) => Err(unreadable),
+        Err(why) => Ok((None, Some(format!("the second log cannot be used, and was left out: {why}")))),
     }
 }
 
@@ -412,6 +445,7 @@ mod tests {
 
     use super::*;
     use crate::declaration::BaseFilter;
+    use crate::error::SceneError;
     use crate::run::{Ran, Size};
 
     /// 36d-p, which diverges without help, and with too much of it.
@@ -437,11 +471,17 @@ mod tests {
             self.0.run(log, noise, size)
         }
 
-        fn rerun(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError> {
+        fn rerun(
+            &self,
+            log: &Log,
+            noise: &Noise,
+            laws: &[&'static dyn AnyEffect],
+            size: &Size,
+        ) -> Result<Ran, SceneError> {
             if size("accel-delay") == 0.0 {
                 return Err(SceneError::Diverged(Diverged { time: 321.0, channel: "velocity" }));
             }
-            self.0.rerun(log, noise, size)
+            self.0.rerun(log, noise, laws, size)
         }
 
         fn pilot(&self, setup: &Setup, ran: &Ran) -> Box<dyn Pilot> {
@@ -468,7 +508,7 @@ mod tests {
         let (description, samples) = delayed(&machine);
         let setup = description.setup(&[]);
         let log = Log { samples: &samples, setup: &setup };
-        let d = workflow(&machine, &log, None, &Options::default(), &mut |_, _| {}).unwrap();
+        let d = workflow(&machine, &[log], None, &Options::default(), &mut |_, _| {}).unwrap();
         assert!(d.sentence.contains("accel-delay") && d.gap.is_none(), "{}", d.sentence);
         assert!(d.notes.iter().any(|n| n.contains("diverges at 321 s")), "{:?}", d.notes);
     }
@@ -481,7 +521,8 @@ mod tests {
         // the delay shows at five times this, and the machine lets none of more than twice this through
         let setup = description.setup(&[("accel-delay", 1e-4)]);
         let log = Log { samples: &samples, setup: &setup };
-        let scene = Scene::new(&machine, &log, &Survey::of(&log).unwrap()).unwrap();
+        let survey = Survey::of(&log).unwrap();
+        let scene = Scene::new(&machine, &[Surveyed { log, survey, which: Which::FIRST }]).unwrap();
         assert_eq!(scene.wider.factor("accel-delay"), 1.0);
         let delay = scene.prices.find("accel-delay").unwrap();
         let value = scene.prices.posterior(&[delay]).unwrap().0[0];
@@ -499,7 +540,7 @@ mod tests {
         let log = Log { samples: &samples, setup: &setup };
         let second = Log { samples: &short, setup: &setup };
         let options = Options { rerun: false, ..Options::default() };
-        let said = |verify| workflow(&machine, &log, verify, &options, &mut |_, _| {}).unwrap();
+        let said = |verify| workflow(&machine, &[log], verify, &options, &mut |_, _| {}).unwrap();
         let (alone, with) = (said(None), said(Some(&second)));
         assert_eq!((with.verdict, with.verified), (alone.verdict, false));
         assert_eq!(with.sentence, alone.sentence);
@@ -509,7 +550,7 @@ mod tests {
 
     #[test]
     fn a_second_log_that_cannot_be_read_is_an_error() {
-        let fault = usable(Some(Err(SceneError::Unreadable("three".into())))).err().unwrap();
-        assert!(fault.is_of_verification() && matches!(fault, Error::Unreadable { .. }));
+        let unreadable = Error::Unreadable { log: Which::Verification, source: "three".into() };
+        assert!(matches!(usable(Some(Err(unreadable))), Err(Error::Unreadable { .. })));
     }
 }

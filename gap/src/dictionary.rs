@@ -1,8 +1,10 @@
 //! What might be missing that is in no library: families of products of what was measured.
 
+use sinscal::Motion;
+
 use crate::linear::Priced;
 use crate::prices::Group;
-use crate::recording::{CORE, Motion, Recording, Step};
+use crate::recording::{CORE, Recording, Step};
 
 /// Faster than this the unit turns, rad/s.
 pub(crate) const TURNING: f64 = 0.01;
@@ -11,10 +13,9 @@ pub(crate) const SIZE: f64 = 0.05;
 /// The same of a bias that is there for a stretch: what lasts a minute must be larger to show.
 const SIZE_OF_STRETCH: f64 = 0.5;
 
-/// What a family multiplies: the motion, the time and the time since the last rotation.
+/// What a family multiplies: the motion and the time since the last rotation.
 pub(crate) struct Moment<'a> {
     pub(crate) motion: &'a Motion,
-    pub(crate) time: f64,
     pub(crate) since_rotation: Option<f64>,
 }
 
@@ -45,11 +46,11 @@ const BOTH: &[(&str, &str, Feature)] = &[
     ("difference of temperatures", "K", |m, _, j, k| m.motion.temperature[j] - m.motion.temperature[k]),
     ("A_i^2", "(rad/s)^2", |m, i, _, _| 2.0 * m.motion.dither[i]),
     ("A_i^2 f_i", "(rad/s)^2 m/s^2", |m, i, _, _| 2.0 * m.motion.dither[i] * m.motion.force[i]),
-    ("t^2", "s^2", |m, _, _, _| m.time * m.time),
-    ("t f_i", "m/s", |m, i, _, _| m.time * m.motion.force[i]),
-    ("t omega_i", "rad", |m, i, _, _| m.time * m.motion.rate[i]),
-    ("warm-up within 300 s", "1", |m, _, _, _| (-m.time / 300.0).exp()),
-    ("warm-up within 1000 s", "1", |m, _, _, _| (-m.time / 1000.0).exp()),
+    ("t^2", "s^2", |m, _, _, _| m.motion.time * m.motion.time),
+    ("t f_i", "m/s", |m, i, _, _| m.motion.time * m.motion.force[i]),
+    ("t omega_i", "rad", |m, i, _, _| m.motion.time * m.motion.rate[i]),
+    ("warm-up within 300 s", "1", |m, _, _, _| (-m.motion.time / 300.0).exp()),
+    ("warm-up within 1000 s", "1", |m, _, _, _| (-m.motion.time / 1000.0).exp()),
     ("exp-like transient after rotation, 10 s", "1", |m, _, _, _| transient(m, 10.0)),
     ("exp-like transient after rotation, 30 s", "1", |m, _, _, _| transient(m, 30.0)),
     ("exp-like transient after rotation, 100 s", "1", |m, _, _, _| transient(m, 100.0)),
@@ -201,24 +202,22 @@ impl<'a> Dictionary<'a> {
 
 /// A feature over the steps of a recording: the mean of both ends of each.
 pub(crate) fn along(recording: &Recording, feature: impl Fn(&Moment) -> f64) -> Vec<f64> {
-    let (start, _) = recording.span();
-    let mut ended = None;
-    let mut before = None;
-    recording
-        .steps
-        .iter()
-        .map(|s| {
+    let of_log = |steps: &[Step]| {
+        let mut ended = None;
+        let mut before = None;
+        let each = steps.iter().map(|s| {
             if s.motion.rate.norm() > TURNING {
                 ended = Some(s.time);
             }
             let since_rotation = ended.map(|e| s.time - e).filter(|d| *d > 0.0);
-            let time = s.time - start;
-            let now = feature(&Moment { motion: &s.motion, time, since_rotation });
+            let now = feature(&Moment { motion: &s.motion, since_rotation });
             let mean = 0.5 * (now + before.unwrap_or(now));
             before = Some(now);
             mean
-        })
-        .collect()
+        });
+        each.collect::<Vec<f64>>()
+    };
+    recording.logs().flat_map(of_log).collect()
 }
 
 impl Priced for Dictionary<'_> {

@@ -1,13 +1,34 @@
 //! Why a diagnosis ends without a verdict.
 
+use core::fmt::{Display, Formatter};
+
 use sinscal::Diverged;
 
 use runs::ReadError;
 
-/// The log to diagnose, as errors name it.
-pub(crate) const FIRST: &str = "log";
-/// The one to verify with.
-pub(crate) const SECOND: &str = "verification log";
+/// Which of the logs of a diagnosis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    /// One of those to diagnose, by its place.
+    Log(usize),
+    /// The one to verify with.
+    Verification,
+}
+
+impl Which {
+    /// The first one to diagnose.
+    pub(crate) const FIRST: Self = Self::Log(0);
+}
+
+impl Display for Which {
+    fn fmt(&self, f: &mut Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Log(0) => f.write_str("log"),
+            Self::Log(place) => write!(f, "log number {}", place + 1),
+            Self::Verification => f.write_str("verification log"),
+        }
+    }
+}
 
 /// Why a log cannot be diagnosed.
 #[derive(Debug, thiserror::Error)]
@@ -16,7 +37,7 @@ pub enum Error {
     #[error("the {log} cannot be read: {source}")]
     Unreadable {
         /// Which log.
-        log: &'static str,
+        log: Which,
         /// What its [`Samples`](runs::Samples) say.
         source: ReadError,
     },
@@ -24,7 +45,7 @@ pub enum Error {
     #[error("the {log}: {source}")]
     Diverged {
         /// Which log.
-        log: &'static str,
+        log: Which,
         /// When.
         source: Diverged,
     },
@@ -37,7 +58,7 @@ pub enum Error {
     )]
     TooShort {
         /// Which log.
-        log: &'static str,
+        log: Which,
         /// Updates there are.
         updates: usize,
     },
@@ -45,27 +66,26 @@ pub enum Error {
     #[error("the innovation covariance of the {log} is not positive definite; check the stated noise")]
     Indefinite {
         /// Which log.
-        log: &'static str,
+        log: Which,
     },
 }
 
 impl Error {
-    /// Whether it is the verification log that is at fault.
-    pub fn is_of_verification(&self) -> bool {
+    /// The log that is at fault, where it is one.
+    pub fn which(&self) -> Option<Which> {
         match self {
             Self::Unreadable { log, .. }
             | Self::Diverged { log, .. }
             | Self::TooShort { log, .. }
-            | Self::Indefinite { log } => *log == SECOND,
-            Self::Compose(_) => false,
+            | Self::Indefinite { log } => Some(*log),
+            Self::Compose(_) => None,
         }
     }
 
-    pub(crate) fn of(log: &'static str, error: SceneError) -> Self {
+    pub(crate) fn of(log: Which, error: SceneError) -> Self {
         match error {
             SceneError::Unreadable(source) => Self::Unreadable { log, source },
             SceneError::Diverged(source) => Self::Diverged { log, source },
-            SceneError::TooShort { updates } => Self::TooShort { log, updates },
             SceneError::Indefinite => Self::Indefinite { log },
         }
     }
@@ -76,7 +96,6 @@ impl Error {
 pub(crate) enum SceneError {
     Unreadable(ReadError),
     Diverged(Diverged),
-    TooShort { updates: usize },
     Indefinite,
 }
 

@@ -14,7 +14,7 @@
 //! let log = Log { samples, setup };
 //! let vocabulary = Vocabulary::standard();
 //! let filter = vocabulary.filter("36d-p").expect("a filter of the library");
-//! let found = diagnose(&*filter, vocabulary.effects(), &log, None, &Options::default(), &mut |stage, done| {
+//! let found = diagnose(&*filter, vocabulary.effects(), &[log], None, &Options::default(), &mut |stage, done| {
 //!     eprintln!("{:3.0} % {stage}", 100.0 * done);
 //! })?;
 //! println!("{}", found.sentence);
@@ -32,7 +32,6 @@ mod diagnose;
 mod dictionary;
 mod error;
 mod excite;
-mod laws;
 mod linear;
 mod locate;
 mod log;
@@ -50,12 +49,12 @@ mod random;
 mod recording;
 mod report;
 mod rerun;
+mod review;
 mod run;
 mod say;
 mod scan;
 mod scene;
 mod shifted;
-mod terms;
 #[cfg(test)]
 mod tests;
 mod threshold;
@@ -63,13 +62,13 @@ mod verify;
 mod white;
 
 pub use chi2::ln_survival;
-pub use declaration::{BaseFilter, declaration, fields, type_name};
+pub use declaration::{BaseFilter, USED_BY_LAWS, block, declaration, fields, type_name};
 pub use diagnose::{Options, diagnose};
-pub use error::Error;
+pub use error::{Error, Which};
 pub use linear::Noise;
 pub use log::Log;
 pub use pricing::Pricing;
 pub use report::{
-    Diagnosis, Evidence, FoundEffect, Gap, Horizontal, Law, LogGap, NoiseScale, Place, Remainder, Rival,
+    Diagnosis, Evidence, FoundEffect, FoundLaw, Gap, Horizontal, LogGap, NoiseScale, Place, Remainder, Rival,
     Verdict,
 };

@@ -1,6 +1,6 @@
 //! Any filter about a recorded trajectory, and the price of every effect it lacks, in one linear run.
 
-use crate::recording::{CORE, Recording, Step};
+use crate::recording::{CORE, Column, Recording, Start, Step};
 use runs::products::{add_products, dot, multiply, subtract_outer, whiten};
 
 /// So many whitened rows are kept before their products are summed: the sums are many more than a cache holds.
@@ -67,7 +67,7 @@ pub(crate) struct Found {
     pub(crate) log_likelihood: f64,
     pub(crate) degrees_of_freedom: usize,
     pub(crate) gram: Vec<f64>,
-    /// Of each estimated column in the end: the negative of its estimate, and what a unit of each priced column adds to that.
+    /// Of each estimated column in the end, that of the last log: the negative of its estimate, and what a unit of each priced column adds to that.
     pub(crate) errors: Vec<f64>,
     /// And its variance, were nothing of what is priced there.
     pub(crate) variances: Vec<f64>,
@@ -187,19 +187,10 @@ fn filter<const FUSED: bool>(
     for &i in estimated {
         is_estimated[i] = true;
     }
-    // what is not estimated is zero in truth: its remaining error is minus the linearisation point
-    let known: Vec<usize> = (0..np).filter(|&i| !is_estimated[i] && columns[i].about != 0.0).collect();
-
+    let mut starts = recording.starts.iter().peekable();
+    let (mut about, mut known): (&[f64], Vec<usize>) = (&[], Vec::new());
     let mut p = vec![0.0; n * n];
     let mut w = vec![0.0; n * nc];
-    for i in 0..CORE {
-        p[i * n + i] = recording.start[i] * recording.start[i];
-    }
-    for (k, &i) in estimated.iter().enumerate() {
-        let at = CORE + k;
-        p[at * n + at] = columns[i].prior * columns[i].prior;
-        w[at * nc] = columns[i].about;
-    }
     let relaxing: Vec<(usize, f64, f64)> = recording
         .relaxing
         .iter()
@@ -220,6 +211,13 @@ fn filter<const FUSED: bool>(
     let mut s = Vec::new();
     let mut yp = Vec::new();
     for (at, step) in recording.steps.iter().enumerate() {
+        if let Some(start) = starts.next_if(|start| start.step == at) {
+            begin(start, (at > 0).then_some(about), columns, estimated, (n, nc), (&mut p, &mut w));
+            about = &start.about;
+            // what is not estimated is zero in truth: its remaining error is minus the linearisation point
+            known = (0..np).filter(|&i| !is_estimated[i] && about[i] != 0.0).collect();
+            free.since = None;
+        }
         let ms = step.z.len();
         gamma.fill(0.0);
         direct.clear();
@@ -234,7 +232,7 @@ fn filter<const FUSED: bool>(
             }
             let mut input = row[width - 1];
             for &c in &known {
-                input -= row[CORE + c] * columns[c].about;
+                input -= row[CORE + c] * about[c];
             }
             gamma[i * nc] = -input;
         }
@@ -269,7 +267,7 @@ fn filter<const FUSED: bool>(
             }
             let mut z = step.z[m];
             for &c in &known {
-                z += row[CORE + c] * columns[c].about;
+                z += row[CORE + c] * about[c];
             }
             direct[m * nc] = z;
         }
@@ -322,6 +320,40 @@ fn filter<const FUSED: bool>(
     let errors = w.split_off(CORE * nc);
     let variances = (CORE..n).map(|i| p[i * n + i]).collect();
     Some(Found { log_likelihood, degrees_of_freedom, gram, errors, variances })
+}
+
+/// Covariance, and errors with sensitivities, at the beginning of a log. Of what was estimated in a log before it, about other values, the
+/// candidates stay: they are the same in all logs.
+fn begin(
+    start: &Start,
+    before: Option<&[f64]>,
+    columns: &[Column],
+    estimated: &[usize],
+    (n, nc): (usize, usize),
+    (p, w): (&mut [f64], &mut [f64]),
+) {
+    let stays = |at: usize| before.is_some() && at >= CORE && !columns[estimated[at - CORE]].base;
+    for i in 0..n {
+        for j in 0..n {
+            if !(stays(i) && stays(j)) {
+                p[i * n + j] = 0.0;
+            }
+        }
+        if i < CORE {
+            p[i * n + i] = start.core[i] * start.core[i];
+        }
+    }
+    w[..CORE * nc].fill(0.0);
+    for (k, &i) in estimated.iter().enumerate() {
+        let at = CORE + k;
+        if let (Some(before), true) = (before, stays(at)) {
+            w[at * nc] += start.about[i] - before[i];
+            continue;
+        }
+        p[at * n + at] = columns[i].prior * columns[i].prior;
+        w[at * nc..(at + 1) * nc].fill(0.0);
+        w[at * nc] = start.about[i];
+    }
 }
 
 #[allow(clippy::too_many_arguments, reason = "one line of the loop, out of its way")]

@@ -5,6 +5,7 @@ use std::hash::{DefaultHasher, Hasher};
 use runs::{Look, ReadError, Samples, Timing, each};
 use sinscal::{Reference, Sample, Setup};
 
+use crate::error::{Error, SceneError, Which};
 use crate::shifted::Shifted;
 
 /// A reference that stays within so many of its standard deviations does not move.
@@ -80,6 +81,21 @@ fn join(joined: &mut Sample, next: &Sample) {
                 *held = read;
             }
         });
+    }
+}
+
+/// A log, what one look at it tells, and what errors call it.
+#[derive(Clone, Copy)]
+pub(crate) struct Surveyed<'a> {
+    pub(crate) log: Log<'a>,
+    pub(crate) survey: Survey,
+    pub(crate) which: Which,
+}
+
+impl Surveyed<'_> {
+    /// An error in it.
+    pub(crate) fn fault(&self, error: impl Into<SceneError>) -> Error {
+        Error::of(self.which, error.into())
     }
 }
 
@@ -175,12 +191,13 @@ impl Survey {
         Shifted { samples: log.samples, rows: self.late.0 }
     }
 
-    /// The setup to diagnose `log` with: the reference is used more rarely than asked for where the log is so long that its
-    /// updates could not all be remembered.
-    pub(crate) fn setup<'a>(&self, log: &Log<'a>) -> Setup<'a> {
+    /// The setup to diagnose `log` with, one of so `many`: the reference is used more rarely than asked for where the log is so long that
+    /// its updates could not all be remembered.
+    pub(crate) fn setup<'a>(&self, log: &Log<'a>, many: usize) -> Setup<'a> {
         let seconds = self.span.1 - self.span.0;
         let updates = (seconds * log.setup.update_rate).min(self.readings as f64);
-        let update_rate = if updates > MOST_UPDATES { MOST_UPDATES / seconds } else { log.setup.update_rate };
+        let most = MOST_UPDATES / many.max(1) as f64;
+        let update_rate = if updates > most { most / seconds } else { log.setup.update_rate };
         Setup { update_rate, ..*log.setup }
     }
 }
@@ -215,7 +232,7 @@ mod tests {
         let setup = description.setup(&[]);
         let rate = |samples: &Vec<Sample>| {
             let log = Log { samples, setup: &setup };
-            Survey::of(&log).unwrap().setup(&log).update_rate
+            Survey::of(&log).unwrap().setup(&log, 1).update_rate
         };
         assert_eq!(rate(&samples(1000)), setup.update_rate);
         let long = 40_000.0 * 2.0;

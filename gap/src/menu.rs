@@ -7,7 +7,7 @@ use runs::AnyFilter;
 use sinscal::{AnyEffect, Sample};
 
 use crate::Error;
-use crate::error::SceneError;
+use crate::error::{SceneError, Which};
 use crate::excite::parts;
 use crate::linear::Noise;
 use crate::log::Log;
@@ -98,7 +98,7 @@ impl Menu {
             let description = simulation.description().clone();
             let samples: Vec<Sample> = simulation.collect();
             let setup = description.setup(&[]);
-            let broken = |e| ProposalError::Diagnosis(Error::of("menu", e));
+            let broken = |e| ProposalError::Diagnosis(Error::of(Which::FIRST, e));
             let ran = machine
                 .run(&Log { samples: &samples, setup: &setup }, &Noise::STATED, &|_| 1.0)
                 .map_err(broken)?;

@@ -1,45 +1,27 @@
-//! Terms priced beside a set of effects: what resembles a known effect, and what is in no library.
+//! Laws priced beside a set of effects: what resembles a known effect, and what is in no library.
 
 use nalgebra::{DMatrix, DVector};
+use sinscal::{Kind, Law};
 
 use crate::dictionary::{Dictionary, SIZE, Triad, along};
 use crate::linear::run;
 use crate::prices::{Group, Prices};
 use crate::scene::Scene;
-use crate::terms::Term;
 
 /// A term that is smaller than this, SI, does not show.
 const LEAST: f64 = 1e-30;
 
-/// A term of one triad, in units of its root mean square on the first log that it was priced on.
+/// A law of one triad, in units of its root mean square on the first log that it was priced on.
 #[derive(Clone, Debug)]
 pub(crate) struct Neighbour {
-    pub(crate) term: Term,
-    pub(crate) triad: &'static str,
-    /// The bias that it changes.
-    pub(crate) block: &'static str,
+    pub(crate) law: Law,
+    triad: &'static str,
     rms: [f64; 3],
 }
 
 impl Neighbour {
     pub(crate) fn is_gyro(&self) -> bool {
-        self.triad == "gyro"
-    }
-
-    /// Name, which says what it goes with and never why.
-    pub(crate) fn name(&self) -> String {
-        format!("{}-by-{}", self.block, self.term.words())
-    }
-
-    /// In plain text.
-    pub(crate) fn equation(&self) -> String {
-        let error = if self.is_gyro() { "d_omega_i" } else { "d_f_i" };
-        format!("{error} = k_i {}", self.term.formula())
-    }
-
-    /// Unit of its coefficients.
-    pub(crate) fn unit(&self) -> String {
-        self.term.unit(if self.is_gyro() { "rad/s" } else { "m/s^2" })
+        self.law.kind() == Kind::Rate
     }
 
     /// Coefficients in that unit, from values in units of the root mean square.
@@ -59,15 +41,15 @@ pub(crate) struct Neighbours {
 }
 
 impl Neighbours {
-    /// All terms of triads of these names that show in a log at all.
+    /// All laws of triads of these names that show in a log at all.
     pub(crate) fn of(scene: &Scene, set: &[usize], triads: &[&str]) -> Option<Self> {
         let is_asked = |triad: &Triad| triads.contains(&triad.name);
         let triads: Vec<Triad> = Triad::all(&scene.ran.recording).into_iter().filter(is_asked).collect();
         let mut values = Vec::new();
         let mut all = Vec::new();
         for triad in &triads {
-            for term in Term::all() {
-                if let Some((neighbour, columns)) = seen(scene, triad, term) {
+            for law in Law::all(triad.name == "gyro") {
+                if let Some((neighbour, columns)) = seen(scene, triad, law) {
                     all.push(neighbour);
                     values.extend(columns);
                 }
@@ -76,13 +58,13 @@ impl Neighbours {
         Self::priced(scene, set, &triads, all, values)
     }
 
-    /// The same terms in the same units on another log.
+    /// The same laws in the same units on another log.
     pub(crate) fn again(&self, scene: &Scene, set: &[usize]) -> Option<Self> {
         let triads = Triad::all(&scene.ran.recording);
         let values = self.all.iter().flat_map(|neighbour| {
             (0..3).map(|i| {
                 let mut value = along(&scene.ran.recording, |moment| {
-                    neighbour.term.value(moment, neighbour.is_gyro(), i) / neighbour.rms[i]
+                    neighbour.law.value(moment.motion, i) / neighbour.rms[i]
                 });
                 // what is not read there shows nothing there
                 value.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
@@ -156,19 +138,17 @@ impl Neighbours {
         let mut sigma = self.known.sigma.clone();
         sigma.extend_from_slice(&self.sigma[3 * at..3 * at + 3]);
         let mut groups = self.known.groups.clone();
-        groups.push(Group { name: self.all[at].name(), members: (m..m + 3).collect() });
+        groups.push(Group { name: self.all[at].law.name(), members: (m..m + 3).collect() });
         Prices { b, lambda, sigma, groups }
     }
 }
 
-/// A term that shows in a log, with its values.
-fn seen(scene: &Scene, triad: &Triad, term: Term) -> Option<(Neighbour, Vec<Vec<f64>>)> {
-    let block = scene.ran.recording.columns[triad.columns[0]].info.block;
-    let mut neighbour = Neighbour { term, triad: triad.name, block, rms: [0.0; 3] };
+/// A law that shows in a log, with its values.
+fn seen(scene: &Scene, triad: &Triad, law: Law) -> Option<(Neighbour, Vec<Vec<f64>>)> {
+    let mut neighbour = Neighbour { law, triad: triad.name, rms: [0.0; 3] };
     let mut columns = Vec::new();
     for i in 0..3 {
-        let is_gyro = neighbour.is_gyro();
-        let mut value = along(&scene.ran.recording, |moment| neighbour.term.value(moment, is_gyro, i));
+        let mut value = along(&scene.ran.recording, |moment| neighbour.law.value(moment.motion, i));
         let rms = (value.iter().map(|v| v * v).sum::<f64>() / value.len().max(1) as f64).sqrt();
         if rms.is_nan() || rms < LEAST {
             return None;

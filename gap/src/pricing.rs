@@ -3,7 +3,7 @@
 use runs::AnyFilter;
 use sinscal::AnyEffect;
 
-use crate::error::{Error, FIRST};
+use crate::error::{Error, Which};
 use crate::linear::{Noise, Recorded, run};
 use crate::log::Log;
 use crate::noise;
@@ -41,7 +41,7 @@ impl Pricing {
         noise: Noise,
     ) -> Result<Self, Error> {
         let machine = Runs::new(filter, effects)?;
-        let ran = machine.run(log, &noise, &|_| 1.0).map_err(|e| Error::of(FIRST, e))?;
+        let ran = machine.run(log, &noise, &|_| 1.0).map_err(|e| Error::of(Which::FIRST, e))?;
         Ok(Self { recording: ran.recording, noise, base: ran.log_likelihood, prices: ran.prices })
     }
 
@@ -51,7 +51,7 @@ impl Pricing {
     /// When that noise leaves an innovation covariance that is not positive definite.
     pub fn reprice(&mut self, noise: Noise) -> Result<(), Error> {
         let (found, prices) =
-            noise::price(&self.recording, &noise).ok_or(Error::Indefinite { log: FIRST })?;
+            noise::price(&self.recording, &noise).ok_or(Error::Indefinite { log: Which::FIRST })?;
         (self.noise, self.base, self.prices) = (noise, found.log_likelihood, prices);
         Ok(())
     }

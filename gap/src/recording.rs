@@ -1,14 +1,16 @@
 //! What a pass of the filter did, kept so that every other filter about the same trajectory is a linear run.
 
 use calib_core::StateInfo;
-use nalgebra::Vector3;
 use runs::{Measured, Moved, Trace};
+use sinscal::Motion;
 
 use runs::products::{dot, multiply};
 
 /// Leading states of a strapdown filter: attitude, velocity, position.
 pub(crate) const CORE: usize = 9;
 const SQUARE: usize = CORE * CORE;
+/// Time between two logs that are taken as one, s.
+const BETWEEN: f64 = 1.0;
 
 /// A parameter of the recorded filter, base or candidate.
 #[derive(Clone, Copy, Debug)]
@@ -19,8 +21,17 @@ pub(crate) struct Column {
     pub(crate) prior: f64,
     /// Whether it belongs to the declared base filter.
     pub(crate) base: bool,
-    /// Value about which the pass was linearised.
-    pub(crate) about: f64,
+}
+
+/// Where a log begins.
+#[derive(Clone, Debug)]
+pub(crate) struct Start {
+    /// Its first step.
+    pub(crate) step: usize,
+    /// Prior standard deviations of the leading states.
+    pub(crate) core: [f64; CORE],
+    /// Values of the parameters about which its pass was linearised.
+    pub(crate) about: Vec<f64>,
 }
 
 /// From one measurement to the next: how the leading states moved, and what was measured at the end.
@@ -38,27 +49,16 @@ pub(crate) struct Step {
     pub(crate) r: Vec<f64>,
     /// What each measurement is of, by [`Channels`].
     pub(crate) channel: Vec<usize>,
+    /// What the unit did at its end.
     pub(crate) motion: Motion,
 }
 
-/// What the unit did at the end of a step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
-    pub(crate) rate: Vector3<f64>,
-    pub(crate) force: Vector3<f64>,
-    pub(crate) temperature: Vector3<f64>,
-    pub(crate) temperature_rate: Vector3<f64>,
-    pub(crate) gyro_temperature: Vector3<f64>,
-    pub(crate) gyro_temperature_rate: Vector3<f64>,
-    pub(crate) dither: Vector3<f64>,
-}
-
-/// A pass over a log, linearised about one trajectory, with all candidates' columns.
+/// A pass over a log, linearised about one trajectory, with all candidates' columns; or passes over several logs, one after the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Recording {
     pub(crate) columns: Vec<Column>,
-    /// Prior standard deviations of the leading states.
-    pub(crate) start: [f64; CORE],
+    /// The logs: what the filter estimates begins anew with each.
+    pub(crate) starts: Vec<Start>,
     pub(crate) steps: Vec<Step>,
     /// Parameters that are not constant: column, inverse correlation time, noise density.
     pub(crate) relaxing: Vec<(usize, f64, f64)>,
@@ -70,6 +70,33 @@ impl Recording {
     /// The parameters, in the order of the declaration, the candidates after those of the base filter.
     pub(crate) fn columns(&self) -> &[Column] {
         &self.columns
+    }
+
+    /// Several logs as one: what is priced is the same in all of them. Times of later logs follow on those of the first.
+    pub(crate) fn joined(logs: Vec<Self>) -> Option<Self> {
+        let mut logs = logs.into_iter();
+        let mut all = logs.next()?;
+        for log in logs {
+            let (first, by) = (all.steps.len(), all.span().1 + BETWEEN - log.span().0);
+            let later = log.starts.into_iter().map(|start| Start { step: first + start.step, ..start });
+            all.starts.extend(later);
+            all.steps.extend(log.steps.into_iter().map(|step| Step { time: step.time + by, ..step }));
+            for (column, other) in all.columns.iter_mut().zip(&log.columns) {
+                column.prior = column.prior.max(other.prior);
+            }
+        }
+        Some(all)
+    }
+
+    /// Values about which the pass over the last log was linearised.
+    pub(crate) fn about(&self) -> &[f64] {
+        self.starts.last().map_or(&[], |start| &start.about)
+    }
+
+    /// The steps of each log.
+    pub(crate) fn logs(&self) -> impl Iterator<Item = &[Step]> {
+        let ends = self.starts.iter().skip(1).map(|start| start.step).chain([self.steps.len()]);
+        self.starts.iter().zip(ends).map(|(start, end)| &self.steps[start.step..end])
     }
 
     /// Number of measurement updates.
@@ -98,22 +125,26 @@ impl Recording {
     /// The recording with every `keep`-th update only: for what need not use all of them.
     pub(crate) fn decimated(&self, keep: usize) -> Self {
         let mut steps = Vec::with_capacity(self.steps.len() / keep + 1);
-        let mut open = Interval::new(self.columns.len());
-        for (i, step) in self.steps.iter().enumerate() {
-            open.append(step.rows.clone(), &step.gyro_noise, &step.accel_noise, step.elapsed);
-            if i % keep == 0 {
-                let mut kept =
-                    Step { h: step.h.clone(), z: step.z.clone(), r: step.r.clone(), ..step.clone() };
-                (kept.rows, kept.gyro_noise, kept.accel_noise, kept.elapsed) = open.take();
-                steps.push(kept);
+        let mut starts = Vec::with_capacity(self.starts.len());
+        for (start, log) in self.starts.iter().zip(self.logs()) {
+            starts.push(Start { step: steps.len(), ..start.clone() });
+            let mut open = Interval::new(self.columns.len());
+            for (i, step) in log.iter().enumerate() {
+                open.append(step.rows.clone(), &step.gyro_noise, &step.accel_noise, step.elapsed);
+                if i % keep == 0 {
+                    let mut kept =
+                        Step { h: step.h.clone(), z: step.z.clone(), r: step.r.clone(), ..step.clone() };
+                    (kept.rows, kept.gyro_noise, kept.accel_noise, kept.elapsed) = open.take();
+                    steps.push(kept);
+                }
             }
         }
         Self {
+            starts,
             steps,
             columns: self.columns.clone(),
             relaxing: self.relaxing.clone(),
             channels: self.channels.clone(),
-            ..*self
         }
     }
 }
@@ -252,15 +283,7 @@ impl Trace for Recorder {
             z: Vec::new(),
             r: Vec::new(),
             channel: Vec::new(),
-            motion: Motion {
-                rate: signals.rate,
-                force: signals.force,
-                temperature: signals.temperature,
-                temperature_rate: signals.temperature_rate,
-                gyro_temperature: signals.gyro_temperature,
-                gyro_temperature_rate: signals.gyro_temperature_rate,
-                dither: signals.dither,
-            },
+            motion: Motion::from(signals),
         };
         for row in measured.rows {
             step.h.extend_from_slice(&row.h);

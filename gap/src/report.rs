@@ -152,14 +152,16 @@ pub struct Remainder {
 
 /// Something in no library as an equation of what was measured: how it goes, and not why.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Law {
+pub struct FoundLaw {
     /// What it goes with, for instance `accel-bias-by-temperature-rate-squared`.
     pub name: String,
     /// In plain text; i is the sensor's own axis, j and k are the next two.
     pub equation: String,
     /// The axes.
     pub components: Vec<String>,
-    /// Coefficients, SI.
+    /// Known effects that explain the rest beside it.
+    pub beside: Vec<String>,
+    /// Coefficients from the filter that was really run, SI.
     pub estimate: Vec<f64>,
     /// Their standard deviations, SI.
     pub sigma: Vec<f64>,
@@ -219,7 +221,7 @@ pub struct Diagnosis {
     /// What the unexplained part goes with.
     pub correlates_with: Vec<String>,
     /// Equations for what is in no library, each borne out by the second log.
-    pub laws: Vec<Law>,
+    pub laws: Vec<FoundLaw>,
     /// Where it shows, the strongest first.
     pub r#where: Vec<Place>,
     /// Noise fitted under the filter with every candidate.

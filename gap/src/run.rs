@@ -5,7 +5,7 @@ use runs::{About, AnyFilter, ComposeError, Composition, Options};
 use sinscal::navigation::Pilot;
 use sinscal::{
     AnyEffect, DitherScale, DitherSizeEffect, Effect, EffectInfo, Gate, INFLUENCES, InnerLeverArm, Setup,
-    StateInfo,
+    StateInfo, any_effect,
 };
 
 use crate::candidates::prior_factor;
@@ -17,7 +17,7 @@ use crate::log::Log;
 use crate::name::MARGIN;
 use crate::noise::price;
 use crate::prices::Prices;
-use crate::recording::{CORE, Column, Recorder, Recording};
+use crate::recording::{CORE, Column, Recorder, Recording, Start};
 use runs::products::dot;
 
 /// Estimates have settled that are within so many standard deviations of where the pass was linearised.
@@ -53,15 +53,28 @@ impl Ran {
     /// The same as it looks from stamps from which no delay of the reference was taken out: the pass was linearised about the whole
     /// of it, and what it says of the delay is about the whole too.
     pub(crate) fn with_delay(mut self, seconds: f64) -> Self {
-        let columns = self.recording.columns.iter_mut().zip(&mut self.estimate);
-        for (column, estimate) in columns.filter(|(column, _)| column.info.block == DELAY) {
-            column.about += seconds;
-            *estimate += seconds;
+        let Recording { columns, starts, .. } = &mut self.recording;
+        for (i, column) in columns.iter_mut().enumerate().filter(|(_, column)| column.info.block == DELAY) {
+            starts.iter_mut().for_each(|start| start.about[i] += seconds);
+            self.estimate[i] += seconds;
             if column.base {
                 column.prior = column.prior.max(seconds.abs());
             }
         }
         self
+    }
+
+    /// Runs over several logs as one: what base estimates begins anew with each log, and in the end has the values of the last one.
+    /// Nothing where an innovation covariance is not positive definite.
+    pub(crate) fn joined(mut runs: Vec<Self>, noise: &Noise) -> Option<Self> {
+        if runs.len() == 1 {
+            return runs.pop();
+        }
+        let recording = Recording::joined(runs.into_iter().map(|ran| ran.recording).collect())?;
+        let (found, prices) = price(&recording, noise)?;
+        let values = estimates(&recording, &found, &prices, &prices.all())?;
+        let estimate = values.into_iter().map(|(value, _)| value).collect();
+        Some(Self { recording, log_likelihood: found.log_likelihood, prices, estimate })
     }
 }
 
@@ -78,8 +91,14 @@ pub(crate) trait Machine: Sync {
     fn entry(&self, effect: &str) -> Option<&'static EffectInfo>;
     /// Runs the filter and records a pass with all candidates' columns.
     fn run(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError>;
-    /// The same, but it is the filter with the candidates that have a size that is run closed loop, and there are no others.
-    fn rerun(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError>;
+    /// The same, but it is the filter with `laws` and the candidates that have a size that is run closed loop, and there are no others.
+    fn rerun(
+        &self,
+        log: &Log,
+        noise: &Noise,
+        laws: &[&'static dyn AnyEffect],
+        size: &Size,
+    ) -> Result<Ran, SceneError>;
     /// Navigates with what a run found.
     fn pilot(&self, setup: &Setup, ran: &Ran) -> Box<dyn Pilot>;
 }
@@ -130,7 +149,7 @@ impl<'a> Runs<'a> {
             } else {
                 sigma * size(info.block) * prior_factor(log.setup, self.entry(info.block))
             };
-            Column { info, prior, base: i < own, about: 0.0 }
+            Column { info, prior, base: i < own }
         };
         parameters.into_iter().enumerate().map(column).collect()
     }
@@ -192,10 +211,9 @@ impl<'a> Runs<'a> {
     ) -> Result<Pass, SceneError> {
         let mut recorder = Recorder::new(columns.len());
         let traced = self.everything().trace(log.samples, log.setup, about, &mut recorder)?;
-        let there = |(column, about): (&Column, &f64)| Column { about: *about, ..*column };
         let recording = Recording {
-            columns: columns.iter().zip(about.values).map(there).collect(),
-            start: traced.start,
+            columns: columns.to_vec(),
+            starts: vec![Start { step: 0, core: traced.start, about: about.values.to_vec() }],
             steps: recorder.steps,
             relaxing: traced.relaxing.iter().map(|(column, r)| (*column, r.rate, r.density)).collect(),
             channels: traced.channels,
@@ -253,31 +271,37 @@ impl Machine for Runs<'_> {
     fn run(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError> {
         match self.drive(log, noise, size, false) {
             // it may well be what it lacks that it does not survive
-            Err(SceneError::Diverged(_)) => self.rerun(log, noise, size),
+            Err(SceneError::Diverged(_)) => self.rerun(log, noise, &[], size),
             done => done,
         }
     }
 
-    fn rerun(&self, log: &Log, noise: &Noise, size: &Size) -> Result<Ran, SceneError> {
-        let taken: Vec<_> = self.effects.iter().copied().filter(|e| size(e.name()) > 0.0).collect();
-        // what could be composed with more can be composed with less
-        let narrow = Runs::new(self.base, &taken).map_err(|error| SceneError::Unreadable(error.into()))?;
-        narrow.drive(log, noise, size, true)
+    fn rerun(
+        &self,
+        log: &Log,
+        noise: &Noise,
+        laws: &[&'static dyn AnyEffect],
+        size: &Size,
+    ) -> Result<Ran, SceneError> {
+        let taken = self.effects.iter().chain(laws).copied().filter(|effect| size(effect.name()) > 0.0);
+        let narrow = Runs::new(self.base, &taken.collect::<Vec<_>>());
+        narrow.map_err(|error| SceneError::Unreadable(error.into()))?.drive(log, noise, size, true)
     }
 
     fn pilot(&self, setup: &Setup, ran: &Ran) -> Box<dyn Pilot> {
-        let columns = &ran.recording.columns;
-        if columns.iter().all(|column| column.base) {
-            return self.base.pilot_with(setup, &ran.estimate);
+        let mut added: Vec<&'static dyn AnyEffect> = Vec::new();
+        for column in ran.recording.columns.iter().filter(|column| !column.base) {
+            let name = column.info.block;
+            if added.last().is_none_or(|last| last.name() != name) {
+                let known = self.effects.iter().copied().find(|effect| effect.name() == name);
+                added.extend(known.or_else(|| any_effect(name)));
+            }
         }
-        let value = |info: &StateInfo| {
-            let is =
-                |column: &Column| (column.info.block, column.info.component) == (info.block, info.component);
-            columns.iter().position(is).map_or(0.0, |column| ran.estimate[column])
-        };
-        let values: Vec<f64> = self.all.parameters().iter().map(value).collect();
-        let all: &dyn AnyFilter = &self.all;
-        all.pilot_with(setup, &values)
+        match Composition::with_states_for(self.base, &added) {
+            Ok(filter) if !added.is_empty() => (&filter as &dyn AnyFilter).pilot_with(setup, &ran.estimate),
+            // what ran with them can be composed with them
+            _ => self.base.pilot_with(setup, &ran.estimate),
+        }
     }
 }
 
@@ -317,7 +341,7 @@ fn estimates(
     for (k, i) in recording.base().into_iter().enumerate() {
         let errors = &found.errors[k * nc..(k + 1) * nc];
         let shares = DVector::from_iterator(members.len(), members.iter().map(|m| errors[1 + m]));
-        let value = recording.columns[i].about - errors[0] + shares.dot(&mean);
+        let value = recording.about()[i] - errors[0] + shares.dot(&mean);
         let variance = found.variances[k] + shares.dot(&(&covariance * &shares));
         estimates[i] = (value, variance.sqrt());
     }

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use sinscal::{DitherScale, Effect as _};
 
 use crate::name::MARGIN;
-use crate::report::{Diagnosis, FoundEffect, Law, Rival, Verdict};
+use crate::report::{Diagnosis, FoundEffect, FoundLaw, Rival, Verdict};
 
 /// Component `i` of an effect in the unit of data sheets, to two digits of its standard deviation, and that where it is asked for.
 fn value(found: &FoundEffect, i: usize, value: f64, spread: bool) -> String {
@@ -188,7 +188,7 @@ fn pick_offs(found: &FoundEffect) -> Option<String> {
 }
 
 /// A law with its coefficients, and what the logs cannot tell from it.
-fn law(law: &Law) -> String {
+fn law(law: &FoundLaw) -> String {
     let coefficient =
         |i: usize| format!("{} = {:.3e} +- {:.1e}", law.components[i], law.estimate[i], law.sigma[i]);
     let all: Vec<String> = (0..law.estimate.len()).map(coefficient).collect();

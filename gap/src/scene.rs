@@ -1,17 +1,20 @@
-//! A log as the diagnosis sees it: run with everything in the filter, noise fitted, every effect priced.
+//! A log, or several of one unit as one, as the diagnosis sees it: run with everything in the filter, noise fitted, every effect priced.
 
 use std::sync::OnceLock;
 
-use crate::error::SceneError;
+use crate::error::{Error, Which};
 use crate::excite::parts;
 use crate::linear::{Noise, Recorded, run};
-use crate::log::{Log, Survey};
+use crate::log::{Log, Survey, Surveyed};
 use crate::noise;
 use crate::prices::{BEYOND, Prices, groups_of};
 use crate::run::{DELAY, Machine, Ran};
 
 /// Below so many standard deviations an effect of its prior's size does not show.
 pub(crate) const EXCITED: f64 = 3.0;
+
+/// A log with fewer updates is too short to judge by.
+const LEAST: usize = 100;
 
 /// The filter is run with wider priors no more than so many times.
 const WIDENINGS: usize = 2;
@@ -53,7 +56,8 @@ pub(crate) struct Scene {
     pub(crate) ran: Ran,
     /// Priors that were too narrow.
     pub(crate) wider: Wider,
-    pub(crate) survey: Survey,
+    /// What one look at each log tells.
+    pub(crate) surveys: Vec<Survey>,
     pub(crate) noise: Noise,
     /// Whether the noise is so much more than stated that it may hide anything.
     pub(crate) noise_hides: bool,
@@ -65,19 +69,30 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    pub(crate) fn new(machine: &dyn Machine, log: &Log, survey: &Survey) -> Result<Self, SceneError> {
+    /// Of one or more logs.
+    pub(crate) fn new(machine: &dyn Machine, logs: &[Surveyed]) -> Result<Self, Error> {
         // the Jacobian of a delay is the observed point's motion; of a fixed point that is nothing but noise
         let takes = |block: &str| match block {
-            DELAY => !survey.fixed,
-            "reference-misalignment" => survey.attitude,
+            DELAY => logs.iter().all(|log| !log.survey.fixed),
+            "reference-misalignment" => logs.iter().all(|log| log.survey.attitude),
             _ => true,
         };
         let mut wider = Wider::default();
+        let indefinite = || Error::Indefinite { log: logs.first().map_or(Which::FIRST, |log| log.which) };
         let ran_with = |wider: &Wider| {
             let size = |block: &str| if takes(block) { wider.factor(block) } else { 0.0 };
-            let stamped = survey.stamped(log);
-            let log = Log { samples: &stamped, ..*log };
-            machine.run(&log, &Noise::STATED, &size).map(|ran| ran.with_delay(survey.late.1))
+            let mut runs = Vec::with_capacity(logs.len());
+            for one in logs {
+                let stamped = one.survey.stamped(&one.log);
+                let log = Log { samples: &stamped, ..one.log };
+                let ran = machine.run(&log, &Noise::STATED, &size).map_err(|error| one.fault(error))?;
+                let updates = ran.recording.updates();
+                if updates < LEAST {
+                    return Err(Error::TooShort { log: one.which, updates });
+                }
+                runs.push(ran.with_delay(one.survey.late.1));
+            }
+            Ran::joined(runs, &Noise::STATED).ok_or_else(indefinite)
         };
         let mut ran = ran_with(&wider)?;
         for _ in 0..WIDENINGS {
@@ -87,12 +102,9 @@ impl Scene {
             }
             // a size that the filter does not survive is none to believe
             match ran_with(&more) {
-                Err(SceneError::Diverged(_) | SceneError::Indefinite) => break,
+                Err(Error::Diverged { .. } | Error::Indefinite { .. }) => break,
                 again => (ran, wider) = (again?, more),
             }
-        }
-        if ran.recording.updates() < 100 {
-            return Err(SceneError::TooShort { updates: ran.recording.updates() });
         }
         let (noise, noise_hides) = noise::fit(&ran.recording);
         let recording = &ran.recording;
@@ -113,7 +125,7 @@ impl Scene {
             }
             at += 1;
         })
-        .ok_or(SceneError::Indefinite)?;
+        .ok_or_else(indefinite)?;
         for i in 0..nc {
             for j in 0..i {
                 half[i * nc + j] = half[j * nc + i];
@@ -122,7 +134,8 @@ impl Scene {
         let groups = groups_of(recording.columns(), &priced);
         let prices = Prices::new(&found.gram, sigma.clone(), groups.clone());
         let half = Prices::new(&half, sigma, groups);
-        Ok(Self { ran, wider, survey: *survey, noise, noise_hides, prices, half, parts: OnceLock::new() })
+        let surveys = logs.iter().map(|log| log.survey).collect();
+        Ok(Self { ran, wider, surveys, noise, noise_hides, prices, half, parts: OnceLock::new() })
     }
 
     /// What each of the stretches says of base parameters and candidates alike.

@@ -29,7 +29,7 @@ fn told(times: f64) -> Diagnosis {
     diagnose(
         &*vocabulary.filter("43d-b").unwrap(),
         vocabulary.effects(),
-        &Log { samples: &first.0, setup: &here },
+        &[Log { samples: &first.0, setup: &here }],
         Some(&Log { samples: &second.0, setup: &there }),
         &options,
         &mut |_, _| {},

@@ -130,7 +130,7 @@ fn diagnosed(odd: &Oddity, hidden: Option<(&str, f64)>) -> Diagnosis {
     diagnose(
         &*filter,
         vocabulary.effects(),
-        &Log { samples: &first.0, setup: &here },
+        &[Log { samples: &first.0, setup: &here }],
         Some(&Log { samples: &second.0, setup: &there }),
         &options,
         &mut |_, _| {},

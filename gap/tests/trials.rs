@@ -179,7 +179,8 @@ fn the_same_log_twice_confirms_nothing() {
     let log = gap::Log { samples: &samples, setup: &setup };
     let vocabulary = Vocabulary::standard();
     let filter = vocabulary.filter("36d-p").unwrap();
-    let d = gap::diagnose(&*filter, vocabulary.effects(), &log, Some(&log), &QUICK, &mut |_, _| {}).unwrap();
+    let d =
+        gap::diagnose(&*filter, vocabulary.effects(), &[log], Some(&log), &QUICK, &mut |_, _| {}).unwrap();
     assert!(!d.verified && d.notes.iter().any(|n| n.contains("confirms nothing")), "{:?}", d.notes);
 }
 

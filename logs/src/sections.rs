@@ -181,7 +181,7 @@ pub(super) fn read_priors(doc: &mut Document<'_>, section: Section<'_>) -> Vec<(
             doc.refuse(key.span(), &field, "is not an effect", Some(hint));
             continue;
         };
-        let accepted = units::of_parameters(effect.unit());
+        let accepted = units::of_effect(effect);
         let DeValue::Table(table) = value.get_ref() else {
             let example = format!("write \"{name}\" = {{ sigma = 1.0, unit = \"{}\" }}", effect.unit());
             doc.refuse(value.span(), &field, "must give a sigma and its unit", Some(example));

@@ -1,5 +1,7 @@
 //! The closed table of units in which people may write figures: in scenarios, and in the descriptions of logs.
 
+use sinscal::EffectInfo;
+
 use crate::suggest;
 
 /// Standard gravity, m/s^2: what data sheets mean by g.
@@ -120,6 +122,14 @@ pub fn of_parameters(si: &str) -> Units {
         .find(|units| units.first().is_some_and(|(unit, _)| *unit == si))
         .copied()
         .unwrap_or_default()
+}
+
+/// The units for the parameters of an effect: those of their SI unit, or where nobody else has it the effect's own.
+pub fn of_effect(effect: &'static EffectInfo) -> Units {
+    match of_parameters(effect.unit()) {
+        [] => effect.units(),
+        usual => usual,
+    }
 }
 
 /// Size of `unit` in the SI unit of `units`; otherwise what is accepted, the nearest first.

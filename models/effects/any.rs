@@ -34,10 +34,10 @@ pub trait AnyBlock: Send + Sync {
 pub trait AnyEffect: AnyBlock {
     /// Its entry.
     fn info(&self) -> &'static EffectInfo;
-    /// Its type.
+    /// Its type; of one type and one name there is one effect.
     fn id(&self) -> TypeId;
     /// It as a block.
-    fn block(&self) -> &'static dyn AnyBlock;
+    fn block(&'static self) -> &'static dyn AnyBlock;
     /// [`Effect::error`].
     fn error(&self, signals: &Signals<f64>, values: &[f64], error: &mut [f64; 6]);
     /// [`Effect::reference_error`].
@@ -104,7 +104,7 @@ impl<E: Effect> AnyEffect for Erased<E> {
         TypeId::of::<E>()
     }
 
-    fn block(&self) -> &'static dyn AnyBlock {
+    fn block(&'static self) -> &'static dyn AnyBlock {
         <dyn AnyBlock>::of::<E>()
     }
 

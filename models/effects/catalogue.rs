@@ -78,12 +78,23 @@ catalogue! {
     }
 }
 
-/// The entry of the catalogue that is called `name`.
+/// The entry of the effect called `name`: of the catalogue, or a [`Law`](crate::Law).
 pub fn effect(name: &str) -> Option<&'static EffectInfo> {
-    EFFECTS.iter().find(|effect| effect.name() == name)
+    EFFECTS.iter().find(|effect| effect.name() == name).or_else(|| law(name).map(AnyEffect::info))
 }
 
-/// The effect of the catalogue that is called `name`.
+/// The effect called `name`: of the catalogue, or a [`Law`](crate::Law).
 pub fn any_effect(name: &str) -> Option<&'static dyn AnyEffect> {
-    CATALOGUE.iter().copied().find(|effect| effect.name() == name)
+    CATALOGUE.iter().copied().find(|effect| effect.name() == name).or_else(|| law(name))
+}
+
+#[cfg(feature = "std")]
+fn law(name: &str) -> Option<&'static dyn AnyEffect> {
+    Some(super::Law::named(name)?.effect())
+}
+
+/// Without an allocator there are none.
+#[cfg(not(feature = "std"))]
+fn law(_: &str) -> Option<&'static dyn AnyEffect> {
+    None
 }

@@ -3,12 +3,20 @@
 mod any;
 mod catalogue;
 mod info;
+#[cfg(feature = "std")]
+mod law;
+#[cfg(feature = "std")]
+mod term;
 
 use calib_core::Block;
 
 pub use self::any::{AnyBlock, AnyEffect};
 pub use self::catalogue::{CATALOGUE, Catalogue, EFFECTS, INFLUENCES, any_effect, effect};
 pub use self::info::{EffectInfo, Kind};
+#[cfg(feature = "std")]
+pub use self::law::Law;
+#[cfg(feature = "std")]
+pub use self::term::Motion;
 use crate::{Point, Signals, Strapdown};
 
 /// A block whose states are the parameters of one error of the unit or of the reference.

@@ -141,9 +141,9 @@ impl Composition {
             leaf.block.states(&mut |info| states.push(info));
             let dim = states.len() - first;
             blocks.push(Leaf { first, ..leaf });
-            let start = match there.iter().find(|known| known.id == leaf.id) {
+            let start = match there.iter().find(|known| known.identity() == leaf.identity()) {
                 Some(known) => {
-                    present.push(known.id);
+                    present.push(known.identity());
                     known.first
                 }
                 None => {
@@ -156,8 +156,9 @@ impl Composition {
             };
             places.extend((start..start + dim).filter(|state| *state >= CORE));
         }
-        let absent =
-            |leaf: &&Leaf| !is_core(leaf) && !present.contains(&leaf.id) && !leaf.is::<sinscal::Open>();
+        let absent = |leaf: &&Leaf| {
+            !is_core(leaf) && !present.contains(&leaf.identity()) && !leaf.is::<sinscal::Open>()
+        };
         let absent = there.iter().filter(absent).map(|leaf| leaf.name).collect();
         let mut joined = OpenBlocks::new(kept(&open))?;
         if !couples {
@@ -239,12 +240,12 @@ const CORE: usize = <Strapdown as Dynamics>::CORE;
 /// A list of blocks that lives as long as the program: one for each set of blocks, however often it is asked for.
 fn kept(blocks: &[Leaf]) -> &'static [&'static dyn AnyBlock] {
     type List = &'static [&'static dyn AnyBlock];
-    static KEPT: Mutex<BTreeMap<Vec<TypeId>, List>> = Mutex::new(BTreeMap::new());
+    static KEPT: Mutex<BTreeMap<Vec<(TypeId, &str)>, List>> = Mutex::new(BTreeMap::new());
     if blocks.is_empty() {
         return &[];
     }
     // not by their addresses: objects without size may all have the same
-    let key = blocks.iter().map(|leaf| leaf.id).collect();
+    let key = blocks.iter().map(Leaf::identity).collect();
     let mut all = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
     all.entry(key).or_insert_with(|| blocks.iter().map(|leaf| leaf.block).collect::<Vec<_>>().leak())
 }

@@ -124,6 +124,11 @@ impl Leaf {
     pub fn is<B: Block>(&self) -> bool {
         self.id == TypeId::of::<B>()
     }
+
+    /// What tells blocks apart; laws are of one type.
+    pub(crate) fn identity(&self) -> (TypeId, &'static str) {
+        (self.id, self.name)
+    }
 }
 
 /// The blocks of declaration `F`.

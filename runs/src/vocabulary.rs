@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use calib_core::{Filter, Sizes};
 use sinscal::{
-    AnyEffect, CATALOGUE, Effect, FILTERS, Fault, FilterInfo, FilterVisitor, Strapdown, probe, visit_filter,
+    AnyEffect, CATALOGUE, Effect, FILTERS, Fault, FilterInfo, FilterVisitor, Law, Strapdown, probe,
+    visit_filter,
 };
 
 use crate::Error;
@@ -102,13 +103,14 @@ impl Vocabulary {
         self.effects.iter().copied().filter(|effect| sinscal::any_effect(effect.name()).is_none()).collect()
     }
 
-    /// The effect called `name`.
+    /// The effect called `name`, or the [`Law`] that has this name.
     ///
     /// # Errors
     /// When there is none.
     pub fn effect(&self, name: &str) -> Result<&'static dyn AnyEffect, Error> {
-        let found = self.effects.iter().find(|effect| effect.name() == name);
-        found.copied().ok_or_else(|| Error::NoEffect { name: name.to_owned() })
+        let found = self.effects.iter().copied().find(|effect| effect.name() == name);
+        let law = || Law::named(name).map(|law| law.effect());
+        found.or_else(law).ok_or_else(|| Error::NoEffect { name: name.to_owned() })
     }
 
     /// The filter called `base` with the effects called `with`, without the blocks called `without`.

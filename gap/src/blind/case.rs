@@ -180,9 +180,9 @@ impl Case {
         let second = Log { samples: b.0, setup: &b.1 };
         let vocabulary = Vocabulary::standard();
         let Ok(filter) = vocabulary.filter(self.filter) else {
-            return Err(Error::TooShort { log: "no such filter", updates: 0 });
+            return Err(Error::TooShort { log: crate::Which::FIRST, updates: 0 });
         };
-        diagnose(&*filter, vocabulary.effects(), &first, Some(&second), options, &mut |_, _| {})
+        diagnose(&*filter, vocabulary.effects(), &[first], Some(&second), options, &mut |_, _| {})
     }
 
     fn setup(&self, description: &rig::Description) -> sinscal::Setup<'static> {

@@ -10,13 +10,13 @@ mod verify;
 
 use std::sync::OnceLock;
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 use sinscal::StateInfo;
 
 use crate::linear::Noise;
 use crate::log::Survey;
 use crate::prices::{Group, Prices};
-use crate::recording::{CORE, Column, Motion, Recording, Step};
+use crate::recording::{CORE, Column, Recording, Start, Step};
 use crate::run::Ran;
 use crate::scene::{Scene, Wider};
 
@@ -46,7 +46,7 @@ fn scene(prices: Prices) -> Scene {
     let half = Prices { b: 0.5 * &prices.b, lambda: 0.5 * &prices.lambda, ..prices.clone() };
     let recording = Recording {
         columns: Vec::new(),
-        start: [1.0; CORE],
+        starts: vec![beginning(0)],
         steps: (0..UPDATES).map(|k| step(k as f64, 0, 0)).collect(),
         relaxing: Vec::new(),
         channels: Vec::new(),
@@ -55,7 +55,7 @@ fn scene(prices: Prices) -> Scene {
     Scene {
         ran,
         wider: Wider::default(),
-        survey: Survey::nothing(),
+        surveys: vec![Survey::nothing()],
         noise: Noise::STATED,
         noise_hides: false,
         prices,
@@ -69,7 +69,6 @@ fn step(time: f64, parameters: usize, measured: usize) -> Step {
     let width = CORE + parameters + 1;
     let mut rows = vec![0.0; CORE * width];
     (0..CORE).for_each(|i| rows[i * width + i] = 1.0);
-    let nothing = Vector3::zeros();
     Step {
         time,
         elapsed: 1.0,
@@ -80,15 +79,7 @@ fn step(time: f64, parameters: usize, measured: usize) -> Step {
         z: vec![0.0; measured],
         r: vec![1.0; measured],
         channel: (0..measured).collect(),
-        motion: Motion {
-            rate: nothing,
-            force: nothing,
-            temperature: nothing,
-            temperature_rate: nothing,
-            gyro_temperature: nothing,
-            gyro_temperature_rate: nothing,
-            dither: nothing,
-        },
+        motion: sinscal::Motion::default(),
     }
 }
 
@@ -96,5 +87,10 @@ fn step(time: f64, parameters: usize, measured: usize) -> Step {
 fn column(block: &'static str, base: bool) -> Column {
     let info =
         StateInfo { block, component: "x", unit: "1", prior_sigma: 1.0, sheet_unit: "1", sheet_scale: 1.0 };
-    Column { info, prior: 1.0, base, about: 0.0 }
+    Column { info, prior: 1.0, base }
+}
+
+/// A log that begins with the first step, with `parameters` columns.
+fn beginning(parameters: usize) -> Start {
+    Start { step: 0, core: [1.0; CORE], about: vec![0.0; parameters] }
 }

@@ -1,6 +1,6 @@
 //! The fit of the noise, on a log made by hand: six numbers that walk by themselves and are measured.
 
-use super::{column, step};
+use super::{beginning, column, step};
 use crate::linear::Noise;
 use crate::noise::{TRUSTED, fit, price};
 use crate::random::Stream;
@@ -25,7 +25,7 @@ fn recording(actual: &Noise, seed: u64) -> Recording {
     }
     Recording {
         columns: vec![column("accel-bias", true)],
-        start: [1.0; CORE],
+        starts: vec![beginning(1)],
         steps,
         relaxing: Vec::new(),
         channels: Vec::new(),

@@ -2,10 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{column, step};
+use super::{beginning, column, step};
 use crate::linear::{Noise, Recorded, run};
+use crate::prices::{Prices, groups_of};
 use crate::random::Stream;
-use crate::recording::{CORE, Recording};
+use crate::recording::{CORE, Recording, Start};
 
 /// First-order Gauss-Markov: correlation time of 20 s, stationary variance of 0.5.
 const RATE: f64 = 1.0 / 20.0;
@@ -33,7 +34,49 @@ fn recording() -> Recording {
         steps.push(step);
     }
     let columns = vec![column("mount", true), column("scale", true), column("missing", false)];
-    Recording { columns, start: [1.0; CORE], steps, relaxing: vec![(0, RATE, DENSITY)], channels: Vec::new() }
+    Recording {
+        columns,
+        starts: vec![beginning(parameters)],
+        steps,
+        relaxing: vec![(0, RATE, DENSITY)],
+        channels: Vec::new(),
+    }
+}
+
+/// What is priced is the same in several logs, and everything else begins anew with each.
+#[test]
+fn several_logs_as_one_say_what_they_say_one_by_one() {
+    let (mut first, mut second) = (recording(), recording());
+    second.steps.truncate(40);
+    second.steps.iter_mut().for_each(|step| step.z[0] += 0.3);
+    first.starts[0].about = vec![0.3, -0.2, 0.1];
+    second.starts[0] = Start { core: [0.5; CORE], about: vec![-0.4, 0.7, 0.2], ..second.starts[0].clone() };
+    let priced = |recording: &Recording| {
+        run(recording, &[0, 1], &Recorded(&[2]), &Noise::STATED, &mut |_| {}).unwrap()
+    };
+    let (a, b) = (priced(&first), priced(&second));
+    let joined = Recording::joined(vec![first, second]).unwrap();
+    let all = priced(&joined);
+    assert!((all.log_likelihood - a.log_likelihood - b.log_likelihood).abs() < 1e-9);
+    for (k, sum) in all.gram.iter().enumerate() {
+        assert!((sum - a.gram[k] - b.gram[k]).abs() < 1e-9 * (1.0 + sum.abs()), "{k}");
+    }
+    assert_eq!((&all.errors, &all.variances), (&b.errors, &b.variances));
+    assert_eq!(joined.about(), [-0.4, 0.7, 0.2]);
+    // in the filter, what is the same in all logs gains what it is priced at, and is estimated as it is there
+    let prices = Prices::new(&all.gram, vec![1.0], groups_of(&joined.columns, &[2]));
+    let with = run(&joined, &[0, 1, 2], &Recorded(&[]), &Noise::STATED, &mut |_| {}).unwrap();
+    assert!((with.log_likelihood - all.log_likelihood - prices.gain(&[0])).abs() < 1e-9);
+    let (mean, covariance) = prices.estimates(&[0], &[1.0]).unwrap();
+    assert!((joined.about()[2] - with.errors[2] - mean[0]).abs() < 1e-9);
+    assert!((with.variances[2] - covariance[(0, 0)]).abs() < 1e-9);
+    let lengths: Vec<usize> = joined.logs().map(<[_]>::len).collect();
+    assert_eq!(lengths, [60, 40]);
+    assert!(joined.steps.windows(2).all(|steps| steps[1].time > steps[0].time));
+    // one in seven of each log, the first of each among them
+    let kept = joined.decimated(7);
+    let starts: Vec<usize> = kept.starts.iter().map(|start| start.step).collect();
+    assert_eq!((kept.steps.len(), starts), (9 + 6, vec![0, 9]));
 }
 
 /// Log-likelihood, estimates and variances of the parameters; with a known value of the priced column taken out.

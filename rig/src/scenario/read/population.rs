@@ -1,6 +1,6 @@
 //! What the parameters of a unit are drawn from.
 
-use sinscal::{AnyEffect, CATALOGUE};
+use sinscal::{AnyEffect, CATALOGUE, any_effect};
 
 use crate::scenario::Population;
 use crate::scenario::reader::{Entry, Must, Reader, as_table};
@@ -16,7 +16,7 @@ pub(super) fn population(r: &mut Reader<'_>, own: &[&'static dyn AnyEffect]) -> 
         if r.is_full() {
             break;
         }
-        let Some(effect) = known().find(|effect| effect.name() == name) else {
+        let Some(effect) = known().find(|effect| effect.name() == name).or_else(|| any_effect(name)) else {
             r.refuse(&entry, "is not an effect", suggest::accepted(name, known().map(<dyn AnyEffect>::name)));
             continue;
         };
@@ -31,8 +31,7 @@ pub(super) fn population(r: &mut Reader<'_>, own: &[&'static dyn AnyEffect]) -> 
             r.refuse(&entry, "is drawn as the log goes on", accepted);
             continue;
         }
-        let usual = units::of_parameters(effect.info().unit());
-        let units = if usual.is_empty() { effect.info().units() } else { usual };
+        let units = units::of_effect(effect.info());
         let n = effect.dim();
         // beyond this nothing of the signal is left
         let most = ABSURD * effect.info().prior_sigma;
@@ -55,8 +54,10 @@ pub(super) fn population(r: &mut Reader<'_>, own: &[&'static dyn AnyEffect]) -> 
             populations.push(Population { effect, mean, sigma });
         }
     }
-    // in the order of the catalogue, whatever the order in the file
-    populations
-        .sort_by_key(|population| known().position(|effect| effect.name() == population.effect.name()));
+    // in the order of the catalogue, whatever the order in the file; laws by their names after them
+    populations.sort_by_key(|population| {
+        let name = population.effect.name();
+        (known().position(|effect| effect.name() == name).unwrap_or(usize::MAX), name)
+    });
     populations
 }

@@ -1,13 +1,13 @@
 //! A known effect against its neighbours, and what no library holds as a law: an equation of what was measured, never a cause.
 
-use sinscal::Kind;
+use sinscal::{Kind, Law};
 
 use crate::decide::Decision;
 use crate::name::{MARGIN, Tried};
 use crate::neighbours::Neighbours;
 use crate::open::Open;
 use crate::prices::Prices;
-use crate::report::{Law, Verdict};
+use crate::report::{FoundLaw, Verdict};
 use crate::scene::Scene;
 use crate::verify::{CONFIRMED, WIDENED, same_values};
 
@@ -17,6 +17,16 @@ const KEPT: f64 = 0.1;
 const SHORTLIST: usize = 12;
 /// Rivals of similar form that are listed, at most.
 const RIVALS: usize = 5;
+
+/// A law that a second log bears out, and what stands beside it.
+pub(crate) struct Proposed {
+    pub(crate) law: Law,
+    /// Groups of the first log that are named with it.
+    pub(crate) beside: Vec<usize>,
+    /// What law and those gain together on both logs.
+    pub(crate) gains: [f64; 2],
+    pub(crate) said: FoundLaw,
+}
 
 /// A term with a part of the set beside which it was priced.
 struct Candidate {
@@ -31,12 +41,14 @@ struct Bench<'a> {
     first: &'a Scene,
     here: Neighbours,
     there: Option<Neighbours>,
+    /// The set, as groups of the first log.
+    set: &'a [usize],
     /// Number of effects of the set.
     size: usize,
 }
 
 impl<'a> Bench<'a> {
-    fn new(first: &'a Scene, second: Option<&Scene>, set: &[usize], triads: &[&str]) -> Option<Self> {
+    fn new(first: &'a Scene, second: Option<&Scene>, set: &'a [usize], triads: &[&str]) -> Option<Self> {
         let here = Neighbours::of(first, set, triads)?;
         let there = match second {
             Some(second) => {
@@ -46,7 +58,7 @@ impl<'a> Bench<'a> {
             }
             None => None,
         };
-        (!here.all.is_empty()).then_some(Self { first, here, there, size: set.len() })
+        (!here.all.is_empty()).then_some(Self { first, here, there, set, size: set.len() })
     }
 
     fn likelihood(&self, prices: &Prices, groups: &[usize]) -> f64 {
@@ -144,7 +156,7 @@ impl<'a> Bench<'a> {
 
     /// A candidate as a law, where the second log bears it out: an e-value above 20, the same value in both, and no other form that wins
     /// there.
-    fn law(&self, candidate: &Candidate) -> Option<Law> {
+    fn law(&self, candidate: &Candidate) -> Option<Proposed> {
         let Candidate { at, groups, .. } = candidate;
         let (here, there) = self.pair(*at);
         let there = there?;
@@ -179,18 +191,22 @@ impl<'a> Bench<'a> {
         let neighbour = &self.here.all[*at];
         let last = mean.len() - 3;
         let sigma: Vec<f64> = (last..last + 3).map(|i| covariance[(i, i)].sqrt()).collect();
-        Some(Law {
-            name: neighbour.name(),
-            equation: neighbour.equation(),
+        let beside: Vec<usize> = others.iter().map(|g| self.set[*g]).collect();
+        let said = FoundLaw {
+            name: neighbour.law.name(),
+            equation: neighbour.law.equation(),
+            beside: beside.iter().map(|g| self.first.prices.groups[*g].name.clone()).collect(),
             components: ["x", "y", "z"].map(String::from).to_vec(),
             estimate: neighbour.coefficients(&mean.as_slice()[last..]).collect(),
             sigma: neighbour.coefficients(&sigma).collect(),
             estimate_verify: neighbour.coefficients(&again.as_slice()[last..]).collect(),
-            unit: neighbour.unit(),
+            unit: neighbour.law.unit(),
             log_likelihood_gain: here.gain(groups) - here.gain(&others),
             log_e_verify,
-            rivals: rivals.into_iter().map(|(_, other)| self.here.all[other].name()).collect(),
-        })
+            rivals: rivals.into_iter().map(|(_, other)| self.here.all[other].law.name()).collect(),
+        };
+        let gains = [here.gain(groups), there.gain(groups)];
+        Some(Proposed { law: neighbour.law.clone(), beside, gains, said })
     }
 }
 
@@ -202,7 +218,7 @@ pub(crate) fn review(
     open: Option<&Open>,
     decision: &mut Decision,
     kind: &dyn Fn(&str) -> Option<Kind>,
-) -> Vec<Law> {
+) -> Option<Proposed> {
     let set = decision.best.groups.clone();
     let kinds: Vec<Option<Kind>> = set.iter().map(|g| kind(&first.prices.groups[*g].name)).collect();
     let is_outside = decision.verdict == Verdict::OutsideLibrary;
@@ -219,12 +235,11 @@ pub(crate) fn review(
     let triads: Vec<&str> = ["accelerometer", "gyro"].into_iter().filter(|triad| goes_with(triad)).collect();
     let is_asked = is_named || is_outside && second.is_some();
     if triads.is_empty() || !is_asked {
-        return Vec::new();
+        return None;
     }
-    let Some(bench) = Bench::new(first, second, &set, &triads) else { return Vec::new() };
+    let bench = Bench::new(first, second, &set, &triads)?;
     if is_outside {
-        let law = bench.best().filter(|best| !is_stretch(open, decision, &bench, best));
-        return law.and_then(|law| bench.law(&law)).into_iter().collect();
+        return bench.law(&bench.best().filter(|best| !is_stretch(open, decision, &bench, best))?);
     }
     let unseated = (0..set.len()).filter_map(|place| {
         let is_gyro = match kinds[place]? {
@@ -235,11 +250,9 @@ pub(crate) fn review(
         };
         Some((place, bench.unseats(place, is_gyro)?))
     });
-    let Some((place, by)) = unseated.max_by(|a, b| a.1.standing.total_cmp(&b.1.standing)) else {
-        return Vec::new();
-    };
+    let (place, by) = unseated.max_by(|a, b| a.1.standing.total_cmp(&b.1.standing))?;
     let name = &first.prices.groups[set[place]].name;
-    let equation = bench.here.all[by.at].equation();
+    let equation = bench.here.all[by.at].law.equation();
     decision.verdict = Verdict::OutsideLibrary;
     decision.reason = Some(format!("{name} comes near it, but {equation} explains it better"));
     decision.remainder = None;
@@ -247,7 +260,7 @@ pub(crate) fn review(
     decision.best = Tried::new(&first.prices, rest, &first.excited());
     decision.each.clear();
     decision.verification = None;
-    bench.law(&by).into_iter().collect()
+    bench.law(&by)
 }
 
 /// Whether something that is there for a stretch of the log, or after rotations, explains more than a term.

@@ -2,11 +2,49 @@
 
 use core::fmt::Write as _;
 
-use crate::dictionary::Moment;
+use nalgebra::Vector3;
+
+use crate::Signals;
+
+/// What was measured at an instant and an error may go with, in b; temperatures are against the reference temperature.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// Angular rate, rad/s.
+    pub rate: Vector3<f64>,
+    /// Specific force, m/s^2.
+    pub force: Vector3<f64>,
+    /// Of the accelerometers, K.
+    pub temperature: Vector3<f64>,
+    /// Its rate of change, K/s.
+    pub temperature_rate: Vector3<f64>,
+    /// Of the gyros, K.
+    pub gyro_temperature: Vector3<f64>,
+    /// Its rate of change, K/s.
+    pub gyro_temperature_rate: Vector3<f64>,
+    /// Mean square of the dither rate, (rad/s)^2.
+    pub dither: Vector3<f64>,
+    /// Since the first sample, s.
+    pub time: f64,
+}
+
+impl From<&Signals<f64>> for Motion {
+    fn from(signals: &Signals<f64>) -> Self {
+        Self {
+            rate: signals.rate,
+            force: signals.force,
+            temperature: signals.temperature,
+            temperature_rate: signals.temperature_rate,
+            gyro_temperature: signals.gyro_temperature,
+            gyro_temperature_rate: signals.gyro_temperature_rate,
+            dither: signals.dither,
+            time: signals.time,
+        }
+    }
+}
 
 /// What a term multiplies; axes are counted from the sensor's own: i, j, k.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Signal {
+enum Factor {
     Rate(usize),
     Force(usize),
     /// |omega|
@@ -22,11 +60,11 @@ enum Signal {
     Dither,
 }
 
-use Signal::{Dither, Force, OwnForce, OwnTurn, Rate, Temperature, TemperatureRate, Time, Turn};
+use Factor::{Dither, Force, OwnForce, OwnTurn, Rate, Temperature, TemperatureRate, Time, Turn};
 
 const AXES: [&str; 3] = ["i", "j", "k"];
 
-impl Signal {
+impl Factor {
     /// As equations write it, whether a power needs brackets around it, as names do, and its unit.
     fn words(self) -> (String, bool, String, &'static str) {
         let plain = |symbol: &str, word: &str, unit| (symbol.into(), false, word.into(), unit);
@@ -43,8 +81,35 @@ impl Signal {
         }
     }
 
-    fn value(self, moment: &Moment, is_gyro: bool, i: usize) -> f64 {
-        let motion = moment.motion;
+    /// Where it is large, SI: what a turntable and a warm-up reach.
+    fn large(self) -> f64 {
+        match self {
+            Rate(_) | Turn | OwnTurn | Dither => 1.0,
+            Force(_) | OwnForce => 10.0,
+            Temperature => 10.0,
+            TemperatureRate => 0.01,
+            Time => 3600.0,
+        }
+    }
+
+    /// As a block in Rust reads it of its `signals` for axis `i`.
+    fn code(self, is_gyro: bool) -> String {
+        let axis = |axis: usize| if axis == 0 { "i".into() } else { format!("(i + {axis}) % 3") };
+        let of = if is_gyro { "gyro_temperature" } else { "temperature" };
+        match self {
+            Rate(k) => format!("signals.rate[{}]", axis(k)),
+            Force(k) => format!("signals.force[{}]", axis(k)),
+            Turn => "signals.rate.norm()".into(),
+            OwnTurn => "signals.rate[i].abs()".into(),
+            OwnForce => "signals.force[i].abs()".into(),
+            Temperature => format!("signals.{of}[i]"),
+            TemperatureRate => format!("signals.{of}_rate[i]"),
+            Time => "signals.time".into(),
+            Dither => "(signals.dither[i] * T::of(2.0))".into(),
+        }
+    }
+
+    fn value(self, motion: &Motion, is_gyro: bool, i: usize) -> f64 {
         match self {
             Rate(axis) => motion.rate[(i + axis) % 3],
             Force(axis) => motion.force[(i + axis) % 3],
@@ -55,20 +120,20 @@ impl Signal {
             Temperature => motion.temperature[i],
             TemperatureRate if is_gyro => motion.gyro_temperature_rate[i],
             TemperatureRate => motion.temperature_rate[i],
-            Time => moment.time,
+            Time => motion.time,
             Dither => 2.0 * motion.dither[i],
         }
     }
 }
 
-/// A product of signals.
+/// A product of what was measured.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Term(Vec<Signal>);
+pub(super) struct Term(Vec<Factor>);
 
 impl Term {
     /// All of them: products of rates, forces, temperature and its rate up to the third degree, and of sizes, time and dither up to the
     /// second.
-    pub(crate) fn all() -> Vec<Self> {
+    pub(super) fn all() -> Vec<Self> {
         let letters = [Temperature, TemperatureRate, Rate(0), Rate(1), Rate(2), Force(0), Force(1), Force(2)];
         let mut terms = Vec::new();
         for (a, first) in letters.iter().enumerate() {
@@ -90,49 +155,49 @@ impl Term {
     }
 
     /// Its factors with their powers.
-    fn powers(&self) -> Vec<(Signal, usize)> {
-        let mut powers: Vec<(Signal, usize)> = Vec::new();
-        for signal in &self.0 {
-            match powers.iter_mut().find(|known| known.0 == *signal) {
+    fn powers(&self) -> Vec<(Factor, usize)> {
+        let mut powers: Vec<(Factor, usize)> = Vec::new();
+        for factor in &self.0 {
+            match powers.iter_mut().find(|known| known.0 == *factor) {
                 Some(known) => known.1 += 1,
-                None => powers.push((*signal, 1)),
+                None => powers.push((*factor, 1)),
             }
         }
         powers
     }
 
     /// As equations write it.
-    pub(crate) fn formula(&self) -> String {
-        let factor = |(signal, power): (Signal, usize)| match (signal.words(), power) {
+    pub(super) fn formula(&self) -> String {
+        let written = |(factor, power): (Factor, usize)| match (factor.words(), power) {
             ((symbol, ..), 1) => symbol,
             ((symbol, true, ..), power) => format!("({symbol})^{power}"),
             ((symbol, ..), power) => format!("{symbol}^{power}"),
         };
-        self.powers().into_iter().map(factor).collect::<Vec<_>>().join(" ")
+        self.powers().into_iter().map(written).collect::<Vec<_>>().join(" ")
     }
 
     /// As names do, for instance `temperature-times-force-i-squared`.
-    pub(crate) fn words(&self) -> String {
-        let factor = |(signal, power): (Signal, usize)| {
-            let word = signal.words().2;
+    pub(super) fn words(&self) -> String {
+        let word = |(factor, power): (Factor, usize)| {
+            let word = factor.words().2;
             match power {
                 1 => word,
                 2 => word + "-squared",
                 _ => word + "-cubed",
             }
         };
-        self.powers().into_iter().map(factor).collect::<Vec<_>>().join("-times-")
+        self.powers().into_iter().map(word).collect::<Vec<_>>().join("-times-")
     }
 
     /// Unit of a coefficient that makes it something of `unit`.
-    pub(crate) fn unit(&self, unit: &str) -> String {
+    pub(super) fn unit(&self, unit: &str) -> String {
         let powers = self.powers();
         let mut text = format!("{unit}/");
         if powers.len() > 1 {
             text.push('(');
         }
-        for (at, (signal, power)) in powers.iter().enumerate() {
-            let own = signal.words().3;
+        for (at, (factor, power)) in powers.iter().enumerate() {
+            let own = factor.words().3;
             let space = if at > 0 { " " } else { "" };
             // Writing to a string does not fail.
             let _ = match (own.contains('/'), *power) {
@@ -148,9 +213,23 @@ impl Term {
         text
     }
 
+    /// Where all its factors are large, SI.
+    pub(super) fn large(&self) -> f64 {
+        self.0.iter().map(|factor| factor.large()).product()
+    }
+
+    /// As a block in Rust has it, of `signals` and the axis `i`.
+    pub(super) fn code(&self, is_gyro: bool) -> String {
+        let code = |(factor, power): (Factor, usize)| match power {
+            1 => factor.code(is_gyro),
+            power => format!("{}.powi({power})", factor.code(is_gyro)),
+        };
+        self.powers().into_iter().map(code).collect::<Vec<_>>().join(" * ")
+    }
+
     /// Its value for the gyro or the accelerometer of axis i.
-    pub(crate) fn value(&self, moment: &Moment, is_gyro: bool, i: usize) -> f64 {
-        self.0.iter().map(|signal| signal.value(moment, is_gyro, i)).product()
+    pub(super) fn value(&self, motion: &Motion, is_gyro: bool, i: usize) -> f64 {
+        self.0.iter().map(|factor| factor.value(motion, is_gyro, i)).product()
     }
 }
 
@@ -160,8 +239,8 @@ mod tests {
 
     #[test]
     fn terms_are_written_with_their_powers_and_units() {
-        let written = |signals: &[Signal]| {
-            let term = Term(signals.to_vec());
+        let written = |factors: &[Factor]| {
+            let term = Term(factors.to_vec());
             (term.formula(), term.words(), term.unit("m/s^2"))
         };
         assert_eq!(
