@@ -8,6 +8,7 @@ use logs::suggest;
 use miette::{Result, miette};
 use runs::{AnyFilter, Error};
 use serde_json::Value;
+use sinscal::Law;
 
 use crate::vocabulary::vocabulary;
 
@@ -17,7 +18,7 @@ const LARGEST: u64 = 16 << 20;
 /// What is changed about a filter.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct Change {
-    /// Effects that the filter is to have besides its own, separated by commas, or the diagnosis.json that found them
+    /// Effects and laws that the filter is to have besides its own, separated by commas, or the diagnosis.json that found them
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     with: Vec<String>,
     /// Blocks that the filter is to do without, separated by commas
@@ -37,7 +38,11 @@ impl Change {
 
     /// `base` with the change.
     pub(crate) fn of(&self, base: &Arc<dyn AnyFilter>) -> Result<Arc<dyn AnyFilter>> {
-        let mut with: Vec<String> = Vec::new();
+        self.beside(base.name(), Vec::new())
+    }
+
+    /// The filter called `base` with effects that were found, and the change.
+    pub(crate) fn beside(&self, base: &str, mut with: Vec<String>) -> Result<Arc<dyn AnyFilter>> {
         for entry in &self.with {
             if entry.ends_with(".json") {
                 with.extend(found(Path::new(entry))?);
@@ -45,7 +50,7 @@ impl Change {
                 with.push(entry.clone());
             }
         }
-        let composed = compose(base.name(), &with, &self.without)?;
+        let composed = compose(base, &with, &self.without)?;
         considering(&composed, &names(&self.consider))
     }
 }
@@ -54,10 +59,9 @@ impl Change {
 pub(crate) fn considering(filter: &Arc<dyn AnyFilter>, considered: &[&str]) -> Result<Arc<dyn AnyFilter>> {
     let mut effects = Vec::new();
     for name in considered {
-        effects.push(vocabulary().effect(name).map_err(|error| {
-            let known = vocabulary().effects().iter().map(|effect| effect.name());
-            miette!(help = suggest::hint(name, known), "--consider: {error}")
-        })?);
+        effects.push(
+            vocabulary().effect(name).map_err(|error| miette!(help = meant(name), "--consider: {error}"))?,
+        );
     }
     runs::considering(filter, &effects).map_err(|error| miette!("--consider: {error}"))
 }
@@ -67,23 +71,30 @@ pub(crate) fn compose(base: &str, with: &[String], without: &[String]) -> Result
     let composed = vocabulary().composed(base, &names(with), &names(without));
     composed.map_err(|error| match &error {
         Error::NoEffect { name } => {
-            let known = vocabulary().effects().iter().map(|effect| effect.name());
-            miette!(help = suggest::hint(name, known), "--with: {error}")
+            miette!(help = meant(name), "--with: {error}")
         }
         _ => miette!("{error}"),
     })
+}
+
+/// What a name that nothing has may mean: an effect, or where it sounds like one a law.
+fn meant(name: &str) -> String {
+    let effects = vocabulary().effects().iter().map(|effect| effect.name().to_owned());
+    let laws = [false, true].into_iter().filter(|_| name.contains("-by-")).flat_map(Law::all);
+    let known: Vec<String> = effects.chain(laws.map(|law| law.name())).collect();
+    suggest::hint(name, known.iter().map(String::as_str))
 }
 
 fn names(list: &[String]) -> Vec<&str> {
     list.iter().map(String::as_str).collect()
 }
 
-/// Names of the effects that a diagnosis has confirmed.
+/// Names of the effects or laws that a diagnosis has confirmed.
 fn found(path: &Path) -> Result<Vec<String>> {
     base_of(path).map(|(_, found)| found)
 }
 
-/// The filter that a diagnosis was made with, and names of the effects that it has confirmed.
+/// The filter that a diagnosis was made with, and names of the effects or laws that it has confirmed.
 pub(crate) fn base_of(path: &Path) -> Result<(String, Vec<String>)> {
     let at = path.display();
     let what = "--with takes names of effects, or the diagnosis.json that `sinscal diagnose --out` writes";
@@ -97,16 +108,26 @@ pub(crate) fn base_of(path: &Path) -> Result<(String, Vec<String>)> {
     let Some(verdict) = document["verdict"].as_str() else {
         return Err(miette!(help = what, "{at}, field `verdict`: a diagnosis was expected"));
     };
-    let names: Option<Vec<String>> = document["effects"].as_array().map(|effects| {
-        effects.iter().filter_map(|effect| effect["name"].as_str().map(str::to_owned)).collect()
+    let of = |list: &Value| -> Vec<String> {
+        let named = |entry: &Value| entry["name"].as_str().map(str::to_owned);
+        list.as_array().into_iter().flatten().filter_map(named).collect()
+    };
+    let (effects, laws) = (of(&document["effects"]), of(&document["laws"]));
+    let beside = document["laws"].as_array().into_iter().flatten().flat_map(|law| {
+        let beside = law["beside"].as_array().into_iter().flatten();
+        beside.filter_map(Value::as_str).map(str::to_owned).collect::<Vec<_>>()
     });
-    match names {
-        Some(names) if verdict == "effects-found" && !names.is_empty() => {
-            Ok((document["base_filter"].as_str().unwrap_or_default().to_owned(), names))
-        }
-        _ => Err(miette!(
+    let names: Vec<String> = match verdict {
+        "effects-found" => effects,
+        // borne out by a second log, or they would not stand there
+        "outside-library" => beside.chain(laws).collect(),
+        _ => Vec::new(),
+    };
+    if names.is_empty() {
+        return Err(miette!(
             help = "what is not confirmed can be tried by its name: --with EFFECT",
-            "{at}: the diagnosis confirms no effect: its verdict is `{verdict}`"
-        )),
+            "{at}: the diagnosis confirms no effect and no law: its verdict is `{verdict}`"
+        ));
     }
+    Ok((document["base_filter"].as_str().unwrap_or_default().to_owned(), names))
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use gap::menu::Menu;
-use gap::{Diagnosis, LogGap, Options, Verdict};
+use gap::{Diagnosis, LogGap, Options, Verdict, Which};
 use miette::{IntoDiagnostic, Report, Result, miette};
 use runs::AnyFilter;
 use sinscal::{Coarse, Setup, SiteShown};
@@ -30,6 +30,7 @@ const EXAMPLES: &str = "\
 Examples:
   sinscal diagnose runs/unit-3 --filter 36d-p --out findings
   sinscal diagnose runs/unit-3 --filter 36d-p --verify runs/unit-3-again
+  sinscal diagnose runs/monday runs/tuesday runs/friday --filter 36d-p
   sinscal diagnose --self-test 20 --seed 9000
 
 With --out: report.html, diagnosis.json, diagnosis.txt, extended_filter.rs (the filter with what was found) and the figures.";
@@ -38,9 +39,9 @@ With --out: report.html, diagnosis.json, diagnosis.txt, extended_filter.rs (the 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The log: path of its table or description, with or without ending
-    #[arg(required_unless_present = "self_test")]
-    log: Option<PathBuf>,
+    /// One log or several of one unit, whose evidence adds: path of table or description, with or without ending
+    #[arg(value_name = "LOG", required_unless_present = "self_test")]
+    logs: Vec<PathBuf>,
     #[command(flatten)]
     columns: Columns,
     /// The filter to begin with; `sinscal filters` describes them
@@ -55,7 +56,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LOG2")]
     verify: Option<PathBuf>,
     /// Hide something in N simulated units, diagnose each, and print how often that went right
-    #[arg(long, value_name = "N", conflicts_with_all = ["log", "filter", "verify"],
+    #[arg(long, value_name = "N", conflicts_with_all = ["logs", "filter", "verify"],
           value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     self_test: Option<u64>,
     /// Of the simulated thresholds; of a self-test, that of its first unit
@@ -91,44 +92,43 @@ fn fault(log: &Log, error: gap::Error) -> miette::Report {
 impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let mut target = self.results.target()?;
-        let (log, filter) = match (&self.log, &self.filter) {
-            (Some(log), Some(filter)) => (log, self.change.of(filter)?),
+        let filter = match &self.filter {
+            Some(filter) if !self.logs.is_empty() => self.change.of(filter)?,
             // the parser of the command line lets nothing else through
             _ => return self_test::run(self.self_test.unwrap_or(1), self.seed, target),
         };
         let open = |log: &Path| arguments::open_for(log, &self.columns, &*filter, self.beginning);
-        let first = open(log)?;
+        let logs = self.logs.iter().map(|log| open(log)).collect::<Result<Vec<_>>>()?;
         let second = self.verify.as_deref().map(open).transpose()?;
-        [Some(&first), second.as_ref()]
-            .into_iter()
-            .flatten()
-            .try_for_each(|log| lacks_nothing_coarse(log, &*filter))?;
-        let filter = arguments::wandering(&filter, &first)?;
+        logs.iter().chain(&second).try_for_each(|log| lacks_nothing_coarse(log, &*filter))?;
+        let filter = arguments::wandering(&filter, &logs[0])?;
         let filter = &*filter;
         self.change.files().try_for_each(|path| target.reads(path))?;
-        target.reads_log(&first)?;
-        second.iter().try_for_each(|second| target.reads_log(second))?;
+        logs.iter().chain(&second).try_for_each(|log| target.reads_log(log))?;
         let setup = |log| Ok::<_, Report>(setup::of(log, setup::initial(log)?));
-        let first_setup = setup(&first)?;
-        let second_setup = second.as_ref().map(setup).transpose()?;
-        let first_samples = Source::silent(&first);
-        let second_samples = second.as_ref().map(Source::silent);
-        let log = gap::Log { samples: &first_samples, setup: &first_setup };
-        let verify = second_samples
-            .as_ref()
-            .zip(second_setup.as_ref())
-            .map(|(samples, setup)| gap::Log { samples, setup });
-        elsewhere(&first, &first_samples, &first_setup)?;
+        let setups = logs.iter().chain(&second).map(setup).collect::<Result<Vec<_>>>()?;
+        let samples: Vec<Source> = logs.iter().chain(&second).map(Source::silent).collect();
+        let taken = samples.iter().zip(&setups).map(|(samples, setup)| gap::Log { samples, setup });
+        let mut taken: Vec<gap::Log> = taken.collect();
+        let verify = taken.split_off(logs.len()).pop();
+        for ((log, samples), setup) in logs.iter().zip(&samples).zip(&setups) {
+            elsewhere(log, samples, setup)?;
+        }
         let bar = say::progress_bar(100, "diagnosing");
         let options = Options { seed: self.seed, ..Options::default() };
         let effects = vocabulary().effects();
-        let found = gap::diagnose(filter, effects, &log, verify.as_ref(), &options, &mut |stage, done| {
+        let found = gap::diagnose(filter, effects, &taken, verify.as_ref(), &options, &mut |stage, done| {
             bar.set_message(stage);
             bar.set_position((100.0 * done) as u64);
         });
         bar.finish_and_clear();
         let mut found = found.map_err(|error| {
-            fault(second.as_ref().filter(|_| error.is_of_verification()).unwrap_or(&first), error)
+            let log = match error.which() {
+                Some(Which::Verification) => second.as_ref(),
+                Some(Which::Log(place)) => logs.get(place),
+                _ => None,
+            };
+            fault(log.unwrap_or(&logs[0]), error)
         })?;
         if matches!(found.verdict, Verdict::Ambiguous | Verdict::NotConfirmed) {
             plan(filter, &mut found)?;
@@ -136,23 +136,25 @@ impl Arguments {
         if let (Some(folder), Some(_)) = (&self.results.out, &found.source) {
             found.declaration = Some(folder.join(DECLARATION).display().to_string());
         }
-        let next = self.results.out.as_deref().filter(|_| found.verdict == Verdict::EffectsFound).map(|out| {
+        let is_found = found.verdict == Verdict::EffectsFound || !found.laws.is_empty();
+        let next = self.results.out.as_deref().filter(|_| is_found).map(|out| {
             let from = out.join("diagnosis.json");
             let (from, name) = (from.display(), filter.name());
-            format!("  sinscal calibrate LOG --filter {name} --with {from}\n  sinscal new my-unit --from {from}")
+            format!(
+                "  sinscal calibrate LOG --filter {name} --with {from}\n  sinscal new my-unit --from {from}"
+            )
         });
         let json = serde_json::to_string_pretty(&found).into_diagnostic()? + "\n";
         target.write("diagnosis", &json, &text(&found, next.as_deref()), &found.sentence, |files, folder| {
             if let Some(source) = &found.source {
                 files.write(&folder.join(DECLARATION), |file| file.write_all(source.as_bytes()))?;
             }
-            let table = first.table().display();
-            let mut page = diagnosis::report(&found, format!("What {} lacks on {table}", filter.title()));
-            page.sections.push(inputs(&first)?.section());
-            page = page.with_program().with("seed", self.seed.to_string()).with_log(&first);
-            if let Some(second) = &second {
-                page = page.with_log(second);
-            }
+            let tables: Vec<String> = logs.iter().map(|log| log.table().display().to_string()).collect();
+            let title = format!("What {} lacks on {}", filter.title(), tables.join(" and "));
+            let mut page = diagnosis::report(&found, title);
+            page.sections.push(inputs(&logs[0])?.section());
+            page = page.with_program().with("seed", self.seed.to_string());
+            page = logs.iter().chain(&second).fold(page, |page, log| page.with_log(log));
             page.write(files, folder)
         })
     }

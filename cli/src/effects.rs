@@ -9,6 +9,9 @@ use crate::vocabulary::vocabulary;
 use crate::{output, say};
 use reports::figures::significant;
 
+/// What the list ends with.
+const LAWS: &str = "\nLaws are named by what an error goes with: accel-bias-by-temperature-rate-squared is d_f_i = k_i (dT_i/dt)^2, gyro-bias-by-temperature-times-rate-i is d_omega_i = k_i (T_i - T_ref) omega_i; --with, [prior] and [population] take them like effects.\n";
+
 /// List the effects: parameters, units, priors, equations
 #[derive(Args)]
 pub(crate) struct Arguments {}
@@ -20,6 +23,7 @@ impl Arguments {
         for effect in vocabulary().effects() {
             describe(effect.info(), &mut text);
         }
+        text.push_str(LAWS);
         output::print(&say::folded(&text, 31))
     }
 }

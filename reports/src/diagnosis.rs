@@ -1,6 +1,6 @@
 //! The report of a diagnosis: what is missing, where it shows, its rivals, and the gap before and after.
 
-use gap::{Diagnosis, FoundEffect, Horizontal, LogGap, Place, Rival, Verdict};
+use gap::{Diagnosis, FoundEffect, FoundLaw, Horizontal, LogGap, Place, Rival, Verdict};
 
 use super::{Cell, Interval, Item, Report, Section, Table, Tone, number, text};
 use crate::draw::{Curve, Figure, Style};
@@ -15,6 +15,8 @@ pub fn report(found: &Diagnosis, title: String) -> Report {
     let mut facts = Vec::new();
     if !found.effects.is_empty() {
         facts.push(("missing".into(), names(found).join(", ")));
+    } else if let Some(law) = found.laws.first() {
+        facts.push(("law of both logs".into(), law.equation.clone()));
     } else if found.verdict != Verdict::NothingMissing {
         let sets: Vec<String> = found.ambiguous.iter().map(|set| set.join(" + ")).collect();
         let candidates = match sets.len() {
@@ -34,6 +36,7 @@ pub fn report(found: &Diagnosis, title: String) -> Report {
     facts.push(("confirmed by a second log".into(), if found.verified { "yes" } else { "no" }.into()));
     let sections = [
         effects(found),
+        laws(found),
         rivals(found),
         before_and_after(found),
         map(found),
@@ -108,6 +111,45 @@ fn effects(found: &Diagnosis) -> Option<Section> {
         }
     }
     Some(Section::new("What is missing", items))
+}
+
+/// What is in no library, as equations of what was measured.
+fn laws(found: &Diagnosis) -> Option<Section> {
+    if found.laws.is_empty() {
+        return None;
+    }
+    let mut items: Vec<Item> = Vec::new();
+    for law in &found.laws {
+        let head = ["coefficient", "estimate", "unit", "95 % interval", "on the second log"];
+        let rows = (0..law.components.len()).map(|i| coefficient(law, i)).collect();
+        items.push(Item::text(format!("{}: how it goes, and not why", law.name)));
+        items.push(Item::Equation(law.equation.clone()));
+        items.push(Table::new("", &head, rows).into());
+        if !law.beside.is_empty() {
+            items.push(Item::text(format!("beside it: {}", law.beside.join(", "))));
+        }
+        if !law.rivals.is_empty() {
+            items.push(Item::text(format!("the logs cannot tell it from {}", law.rivals.join(", "))));
+        }
+    }
+    Some(Section::new("A law of both logs", items))
+}
+
+fn coefficient(law: &FoundLaw, i: usize) -> Vec<Cell> {
+    let at = |values: &[f64]| values.get(i).map_or(String::new(), |value| format!("{value:.3e}"));
+    let interval = match (law.estimate.get(i), law.sigma.get(i)) {
+        (Some(value), Some(sigma)) => {
+            format!("{:.3e} to {:.3e}", value - NORMAL_95 * sigma, value + NORMAL_95 * sigma)
+        }
+        _ => String::new(),
+    };
+    vec![
+        text(format!("k_{}", law.components[i])),
+        number(at(&law.estimate)),
+        text(&law.unit),
+        number(interval),
+        number(at(&law.estimate_verify)),
+    ]
 }
 
 fn value(effect: &FoundEffect, i: usize, verified: bool) -> Vec<Cell> {

@@ -95,7 +95,7 @@ impl Story {
         let verify = gap::Log { samples: &second.samples, setup: &setups[1] };
         let options = gap::Options { seed, ..gap::Options::default() };
         let effects = vocabulary().effects();
-        let found = gap::diagnose(&*base, effects, &log, Some(&verify), &options, &mut |stage, done| {
+        let found = gap::diagnose(&*base, effects, &[log], Some(&verify), &options, &mut |stage, done| {
             bar.set_message(stage);
             bar.set_position((80.0 * done) as u64);
         })

@@ -6,9 +6,10 @@ use clap::Args;
 use gap::BaseFilter;
 use miette::{Result, miette};
 use runs::AnyFilter;
+use sinscal::Law;
 
 use crate::arguments;
-use crate::compose::{Change, base_of, compose};
+use crate::compose::{Change, base_of};
 use crate::output::{self, Files};
 use crate::vocabulary::vocabulary;
 use std::sync::Arc;
@@ -72,15 +73,17 @@ impl Arguments {
             (Some(filter), _) => Some(self.change.of(filter)?),
             (None, Some(from)) => {
                 let (base, found) = base_of(from)?;
-                let found = compose(&base, &found, &[])?;
-                Some(self.change.of(&found)?)
+                Some(self.change.beside(&base, found)?)
             }
             (None, None) => None,
         };
         let checkout = self.sinscal.as_deref().map(checkout).transpose()?.or_else(running_from);
         let values = values(&name, filter.as_deref(), checkout.as_deref())?;
         let mut files = Files::default();
-        for (path, template) in PROJECT {
+        let laws = laws(filter.as_deref());
+        let own = (!laws.is_empty()).then(|| laws_file(&laws));
+        let templates = PROJECT.into_iter().chain(own.as_deref().map(|text| ("src/laws.rs", text)));
+        for (path, template) in templates {
             let path = self.folder.join(path);
             let text = values.iter().fold(template.to_owned(), |text, (key, value)| text.replace(key, value));
             files.folder(path.parent().unwrap_or(&self.folder))?;
@@ -118,12 +121,28 @@ fn name(folder: &Path) -> Result<String> {
     Ok(name.to_owned())
 }
 
+/// The laws that a filter has beside its declaration.
+fn laws(filter: Option<&dyn AnyFilter>) -> Vec<Law> {
+    let with = filter.map_or(Vec::new(), |filter| filter.with());
+    with.into_iter().filter_map(Law::named).collect()
+}
+
+/// Their file.
+fn laws_file(laws: &[Law]) -> String {
+    let blocks: Vec<String> = laws.iter().map(gap::block).collect();
+    format!(
+        "//! Laws that a diagnosis proposed: how an error goes, and not why.\n\nuse sinscal::prelude::*;\n{}\n{}",
+        gap::USED_BY_LAWS,
+        blocks.join("\n")
+    )
+}
+
 /// What stands for what in the templates.
 fn values(
     name: &str,
     filter: Option<&dyn AnyFilter>,
     checkout: Option<&Path>,
-) -> Result<[(&'static str, String); 8]> {
+) -> Result<[(&'static str, String); 11]> {
     let (fields, measures) = match filter {
         None => (FIELDS.to_owned(), "velocity, position".to_owned()),
         Some(filter) => {
@@ -137,6 +156,14 @@ fn values(
             (format!("    #[base]\n    base: {},\n{fields}", base.path), base.measures.join(", "))
         }
     };
+    let laws = laws(filter);
+    let types: Vec<String> = laws.iter().map(|law| gap::type_name(&law.name())).collect();
+    let used = match &*types {
+        [] => String::new(),
+        [one] => format!("pub use laws::{one};\n"),
+        several => format!("pub use laws::{{{}}};\n", several.join(", ")),
+    };
+    let tests = laws.iter().zip(&types).map(|(law, of_type)| test_of_law(law, of_type, name)).collect();
     let version = env!("CARGO_PKG_VERSION");
     let dependency = |folder: &str, features: &str| match checkout {
         Some(checkout) => {
@@ -152,10 +179,53 @@ fn values(
         ("@Effect@", EFFECT.to_owned()),
         ("@fields@", fields),
         ("@measures@", measures),
+        ("@mod laws@", if types.is_empty() { "" } else { "mod laws;\n" }.to_owned()),
+        ("@use laws@", used),
+        ("@tests of laws@", tests),
         // with its checker for the tests: one build serves tests and program
         ("@sinscal@", dependency("", ", features = [\"check\"]")),
         ("@cli@", dependency("cli", "")),
     ])
+}
+
+/// A test that the block of a law does what the law does at run time.
+fn test_of_law(law: &Law, of_type: &str, name: &str) -> String {
+    let (crate_name, law) = (name.replace('-', "_"), law.name());
+    let test = law.replace('-', "_");
+    format!(
+        r#"
+#[test]
+fn {test}_is_what_it_is_at_run_time() {{
+    use sinscal::AnyEffect;
+    let law = sinscal::Law::named("{law}").expect("a law").effect();
+    for k in 1..=100 {{
+        let wave = |i: i32| f64::from(k * (7 * i + 3)).sin();
+        let vector = |i: i32| [wave(i), wave(i + 1), wave(i + 2)].into();
+        let signals = Signals {{
+            rate: vector(1),
+            force: vector(4),
+            temperature: vector(7),
+            temperature_rate: vector(10),
+            gyro_temperature: vector(13),
+            gyro_temperature_rate: vector(16),
+            dither: vector(19),
+            time: 1e3 * wave(22),
+            ..Signals::default()
+        }};
+        let error = |effect: &dyn AnyEffect| {{
+            let mut error = [0.0; 6];
+            effect.error(&signals, &[1.0, -2.0, 3.0], &mut error);
+            error
+        }};
+        let compiled = error(<dyn AnyEffect>::of::<{crate_name}::{of_type}>());
+        for (a, b) in compiled.into_iter().zip(error(law)) {{
+            assert!((a - b).abs() <= 1e-12 * b.abs(), "{{a}} and {{b}}");
+        }}
+    }}
+    println!("{{}}", check::block::<{crate_name}::{of_type}>().expect("a sound block"));
+}}
+"#
+    )
 }
 
 /// A checkout that was named.

@@ -17,6 +17,7 @@ mod honest;
 mod hostile;
 mod inputs_stay;
 mod kills;
+mod laws;
 mod manners;
 mod memory;
 mod missing_effects;

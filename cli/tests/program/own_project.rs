@@ -60,6 +60,10 @@ pub struct OwnUnit {
 }
 "#;
 
+/// Laws that the project is written with: each becomes a block, and a test that it does what it does at run time.
+const LAWS: &str = "accel-bias-by-temperature-rate-squared,gyro-bias-by-time-times-temperature,accel-bias-by-dither-times-force-i,\
+gyro-bias-by-size-of-rate-times-force-k,accel-bias-by-rate-j-cubed";
+
 /// Two short runs of one unit that has `spin` beside what 36d-p models.
 const SCENARIO: &str = r#"[imu]
 rate = "20 Hz"
@@ -146,7 +150,7 @@ fn a_project_of_ones_own_does_everything() -> Done {
     let project = Project { folder: place.join("own-unit"), target: place.join("..") };
     let _ = fs::remove_dir_all(&project.folder);
     let output = Command::new(env!("CARGO_BIN_EXE_sinscal"))
-        .args(["new", "own-unit", "--sinscal"])
+        .args(["new", "own-unit", "--filter", "36d-p", "--with", LAWS, "--sinscal"])
         .arg(&root)
         .current_dir(place)
         .output()?;
