@@ -100,6 +100,7 @@ impl Columns {
             bridge: self.bridge_gaps,
             noise: self.noise.clone(),
             own: Vec::new(),
+            effects: vocabulary().own_effects().into_iter().map(|effect| effect.info()).collect(),
             values: None,
         }
     }

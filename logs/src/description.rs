@@ -27,7 +27,7 @@ use std::sync::Arc;
 use crate::grade::Grade;
 use crate::units;
 use nalgebra::Vector3;
-use sinscal::{BiasWander, InitialAttitude, ReferenceSigma, SensorNoise, Site};
+use sinscal::{BiasWander, EffectInfo, InitialAttitude, ReferenceSigma, SensorNoise, Site};
 use toml::Spanned;
 use toml::de::DeTable;
 
@@ -209,9 +209,9 @@ impl Description {
         given.or_else(|| sinscal::effect(effect).map(|effect| effect.prior_sigma)).unwrap_or(f64::INFINITY)
     }
 
-    /// Reads and checks `path`, reporting every fault at once.
-    pub(super) fn read(path: &Path) -> Result<Self, LogError> {
-        Self::parse(path, text_of(path)?)
+    /// Reads and checks `path`, reporting every fault at once; priors may be of effects of the library and of `own` ones.
+    pub(super) fn read(path: &Path, own: &[&'static EffectInfo]) -> Result<Self, LogError> {
+        Self::parse(path, text_of(path)?, own)
     }
 
     /// The same with the noise that the table `[noise]` of another file states.
@@ -234,7 +234,7 @@ impl Description {
         Ok(self)
     }
 
-    fn parse(path: &Path, text: Arc<str>) -> Result<Self, LogError> {
+    fn parse(path: &Path, text: Arc<str>, own: &[&'static EffectInfo]) -> Result<Self, LogError> {
         let root = parsed(path, &text)?;
         let root = root.get_ref();
         let mut document = Document::new(path, Arc::clone(&text));
@@ -310,7 +310,7 @@ impl Description {
             None => Some([0.0; 3]),
         };
         let priors = match doc.section(root, "prior", None) {
-            Some(section) => read_priors(doc, section),
+            Some(section) => read_priors(doc, section, own),
             None => Vec::new(),
         };
         let uncertainty = doc.section(root, "uncertainty", Some(&UNCERTAINTIES.map(|(key, _)| key)));

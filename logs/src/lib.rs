@@ -153,7 +153,7 @@ impl Log {
     pub fn open_counting(log: &Path, reading: &Reading) -> Result<Self, LogError> {
         let (path, kind, description_path) = files::find(log)?;
         files::check_file(&description_path, "description of the log", Some(files::LEAST))?;
-        let description = Description::read(&description_path)?;
+        let description = Description::read(&description_path, &reading.effects)?;
         let description = match &reading.noise {
             Some(path) => description.with_noise_of(path)?,
             None => description,

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use sinscal::EffectInfo;
+
 use super::axes::Axes;
 use super::increments::Values;
 use super::map::ColumnMap;
@@ -24,6 +26,8 @@ pub struct Reading {
     pub noise: Option<PathBuf>,
     /// Columns that measurements of the program's own read, in the order of [`Reference::own`](sinscal::Reference::own), SI.
     pub own: Vec<String>,
+    /// Effects of the program's own, of which the description may state priors.
+    pub effects: Vec<&'static EffectInfo>,
     /// What its rates are.
     pub values: Option<Values>,
 }
@@ -38,6 +42,7 @@ impl Reading {
             columns: self.columns.clone().or_else(|| other.columns.clone()),
             bridge: self.bridge.or(other.bridge),
             noise: self.noise.clone().or_else(|| other.noise.clone()),
+            effects: if self.effects.is_empty() { other.effects.clone() } else { self.effects.clone() },
             own: if self.own.is_empty() { other.own.clone() } else { self.own.clone() },
             values: self.values.or(other.values),
         }

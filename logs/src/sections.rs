@@ -168,7 +168,11 @@ pub(super) fn read_uncertainty(doc: &mut Document<'_>, section: Section<'_>) -> 
     stated
 }
 
-pub(super) fn read_priors(doc: &mut Document<'_>, section: Section<'_>) -> Vec<(&'static str, f64)> {
+pub(super) fn read_priors(
+    doc: &mut Document<'_>,
+    section: Section<'_>,
+    own: &[&'static EffectInfo],
+) -> Vec<(&'static str, f64)> {
     let mut priors = Vec::new();
     for (key, value) in section.table() {
         if doc.is_full() {
@@ -176,8 +180,10 @@ pub(super) fn read_priors(doc: &mut Document<'_>, section: Section<'_>) -> Vec<(
         }
         let name = key.get_ref().as_ref();
         let field = section.field(name);
-        let Some(effect) = sinscal::effect(name) else {
-            let hint = suggest::hint(name, sinscal::EFFECTS.iter().map(EffectInfo::name));
+        let of_own = own.iter().copied().find(|effect| effect.name() == name);
+        let Some(effect) = of_own.or_else(|| sinscal::effect(name)) else {
+            let known = sinscal::EFFECTS.iter().chain(own.iter().copied());
+            let hint = suggest::hint(name, known.map(EffectInfo::name));
             doc.refuse(key.span(), &field, "is not an effect", Some(hint));
             continue;
         };

@@ -26,7 +26,7 @@ impl Opened {
     pub(super) fn of(log: &Path, reading: &Reading) -> Result<Self, LogError> {
         let (path, kind, description_path) = files::find(log)?;
         let description = match description_path.is_file() {
-            true => Some(Description::read(&description_path)?),
+            true => Some(Description::read(&description_path, &reading.effects)?),
             false => None,
         };
         let reading = match &description {

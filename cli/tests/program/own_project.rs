@@ -180,6 +180,12 @@ fn a_project_of_ones_own_does_everything() -> Done {
     project.run("simulate --scenario b.toml --out second --seed 5 -q")?;
     assert!(fs::read_to_string(project.folder.join("first.truth.json"))?.contains("\"spin\""));
 
+    // priors of its own effect are read
+    let described = fs::read_to_string(project.folder.join("second.toml"))?;
+    let stated = "[prior]\nspin = { sigma = 5.0, unit = \"mm/s\" }\n";
+    assert!(!described.contains("[prior]"), "{described}");
+    fs::write(project.folder.join("second.toml"), format!("{described}\n{stated}"))?;
+
     let found = project.run("diagnose first --filter 36d-p --verify second --out findings -q")?;
     assert!(found.starts_with("Missing: spin (") && found.contains("spin, d_f_i = k_i |omega|"), "{found}");
     let before = project.run("calibrate second --filter 36d-p -q")?;
@@ -189,6 +195,8 @@ fn a_project_of_ones_own_does_everything() -> Done {
     assert!(before.contains("does not fit") && after.contains("36d-p + spin fits"), "{before}\n{after}");
     let document: serde_json::Value = serde_json::from_slice(&fs::read(project.folder.join("c.json"))?)?;
     assert_eq!((document["filter"].as_str(), document["with"][0].as_str()), (Some("36d-p"), Some("spin")));
+    let of_spin = document["parameters"].as_array().into_iter().flatten().find(|p| p["name"] == "spin");
+    assert_eq!(of_spin.map(|parameter| &parameter["prior_sigma"]), Some(&5e-3.into()));
     project.run("navigate first --calibration c.json --align 100 --out navigated -q")?;
     project.run("export c.json --format c --out c.h")?;
     assert!(fs::read_to_string(project.folder.join("c.h"))?.contains("SPIN_X"));
