@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use calib_core::Dynamics;
 use miette::{IntoDiagnostic, Result};
 use plan::{Criterion, Expected, Group, Known, Table, groups};
 use reports::figures::significant;
@@ -11,6 +12,7 @@ use rig::Scenario;
 use rig::motion::{Axis, Turn};
 use runs::AnyFilter;
 use serde::Serialize;
+use sinscal::Strapdown;
 
 use super::verify::Verified;
 use crate::origin::Documented as _;
@@ -208,6 +210,35 @@ impl Answer {
         )
     }
 
+    /// What the path shows, as a page begins.
+    fn headline(&self) -> String {
+        let states = self.sigma.len() + <Strapdown as Dynamics>::CORE;
+        let shown = if self.rank == states {
+            format!("all {states}")
+        } else {
+            format!("{} of the {states}", self.rank)
+        };
+        let (turns, seconds) = (self.turns.len(), self.duration_s);
+        let verified = self.verified.as_ref().map_or_else(String::new, |verified| format!("\n{verified}"));
+        format!("{turns} turns in {seconds:.0} s show {shown} states of {}{verified}", self.filter)
+    }
+
+    /// The numbers that a page begins with.
+    fn facts(&self) -> Vec<(String, String)> {
+        let mut facts = Vec::new();
+        if let Some(criterion) = self.criterion {
+            facts.push(("worst sigma, of what is asked for".into(), format!("{criterion:.3}")));
+        }
+        if let Some(bound) = self.bound {
+            facts.push(("of it noise alone would leave".into(), format!("{bound:.3}")));
+        }
+        if let [first, ..] = self.known.as_slice() {
+            let best = self.known.iter().min_by(|a, b| a.criterion.total_cmp(&b.criterion)).unwrap_or(first);
+            facts.push((format!("the best known path, {}", best.name), format!("{:.3}", best.criterion)));
+        }
+        facts
+    }
+
     /// What an operator does, line by line.
     fn steps(&self) -> Vec<String> {
         let first = (self.still_s > 0.0).then(|| format!("rest {:.1} s", self.still_s));
@@ -351,9 +382,9 @@ impl Answer {
         }
         Report {
             title: format!("Plan for {}", self.filter),
-            verdict: self.verdict(),
+            verdict: self.headline(),
             tone: Tone::Neutral,
-            facts: Vec::new(),
+            facts: self.facts(),
             sections,
             origin: Vec::new(),
             attachments: Vec::new(),
