@@ -201,7 +201,7 @@ fn text(found: &Diagnosis, next: Option<&str>) -> String {
         noise.gyro, noise.accel, noise.reference
     );
     if let Some(gap) = &found.gap {
-        before_and_after("this log", &gap.fit, &mut text);
+        before_and_after(found.called(), &gap.fit, &mut text);
         if let Some(verify) = &gap.verify {
             before_and_after("the second log", verify, &mut text);
         }

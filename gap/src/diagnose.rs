@@ -177,6 +177,10 @@ fn workflow(
             ));
         }
     }
+    if d.logs > 1 {
+        let many = d.logs;
+        d.notes.push(format!("{many} logs are taken as one: times count on from each to the next"));
+    }
     for place in again {
         let log = called(Which::Log(place), logs.len());
         d.notes.push(format!("{log} is one of those before it again, and was left out"));
@@ -277,6 +281,7 @@ fn report(
         complete: decision.verdict == Verdict::NothingMissing || confirmed && decision.remainder.is_none(),
         remainder: decision.remainder.clone(),
         base_filter: base.name,
+        logs: first.surveys.len(),
         effects: Vec::new(),
         ambiguous,
         not_excited,
@@ -393,7 +398,7 @@ fn rivals(first: &Scene, best: &[usize]) -> Vec<Rival> {
 fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &Decision, d: &mut Diagnosis) {
     let mut notes = core::mem::take(&mut d.notes);
     let mut note = |text: String| notes.push(text);
-    for (log, scene) in [("this log", Some(first)), ("the second log", second)] {
+    for (log, scene) in [(d.called(), Some(first)), ("the second log", second)] {
         let Some(Noise { gyro, accel, reference }) = scene.map(|s| s.noise) else { continue };
         for (what, scale) in [("gyros", gyro), ("accelerometers", accel), ("reference", reference)] {
             if !(0.5..=2.0).contains(&scale) {
@@ -405,7 +410,7 @@ fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
         note(format!("something remains on top of it; the largest part goes with {remains}"));
     }
     if let Some((why, _)) = &decision.degenerate {
-        note(format!("what explains most of this log is not named: {why}"));
+        note(format!("what explains most of {} is not named: {why}", d.called()));
     }
     for g in &decision.stripped {
         note(format!(

@@ -210,6 +210,8 @@ pub struct Diagnosis {
     pub remainder: Option<Remainder>,
     /// The filter that was diagnosed.
     pub base_filter: String,
+    /// How many logs of the unit were taken as one.
+    pub logs: usize,
     /// The effects found and confirmed.
     pub effects: Vec<FoundEffect>,
     /// Sets of effects that explain the data equally well, or that failed the check.
@@ -245,6 +247,11 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
+    /// What was diagnosed, as sentences call it.
+    pub fn called(&self) -> &'static str {
+        if self.logs > 1 { "these logs" } else { "this log" }
+    }
+
     /// Pairs of effects that another run would have to part: where one set that explains the data has one and another set
     /// the other, and what this path cannot tell from a member of a set.
     pub fn undecided(&self) -> Vec<(String, String)> {

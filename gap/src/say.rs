@@ -98,7 +98,7 @@ pub(crate) fn sentence(d: &Diagnosis, reason: Option<&str>, same: bool) -> Strin
         }
         Verdict::NotConfirmed => match sets(0).first() {
             Some(set) => {
-                let said = format!("{set} would explain this log, but is not confirmed");
+                let said = format!("{set} would explain {}, but is not confirmed", d.called());
                 short([format!("{said}{because}."), format!("{said}.")])
             }
             None => short([format!("Nothing can be said{because}.")]),

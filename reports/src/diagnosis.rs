@@ -30,7 +30,7 @@ pub fn report(found: &Diagnosis, title: String) -> Report {
         let gained = gap.fit.log_likelihood_after - gap.fit.log_likelihood_before;
         facts.push(("log-likelihood gained".into(), tenths(gained)));
         let change = |gap: &LogGap| format!("{:.2} to {:.2} sigma", gap.rms_before, gap.rms_after);
-        facts.push(("RMS of innovations, this log".into(), change(&gap.fit)));
+        facts.push((format!("RMS of innovations, {}", found.called()), change(&gap.fit)));
         facts.extend(gap.verify.as_ref().map(|gap| ("RMS of innovations, second log".into(), change(gap))));
     }
     facts.push(("confirmed by a second log".into(), if found.verified { "yes" } else { "no" }.into()));
@@ -175,7 +175,7 @@ fn value(effect: &FoundEffect, i: usize, verified: bool) -> Vec<Cell> {
 fn before_and_after(found: &Diagnosis) -> Option<Section> {
     let gap = found.gap.as_ref()?;
     let mut rows = Vec::new();
-    for (log, gap) in [("this log", Some(&gap.fit)), ("second log", gap.verify.as_ref())] {
+    for (log, gap) in [(found.called(), Some(&gap.fit)), ("second log", gap.verify.as_ref())] {
         let Some(gap) = gap else { continue };
         let unit = if gap.free_run_of == "position" { "m" } else { "m/s" };
         let prediction = format!("{} predicted over {:.0} s, RMS error", gap.free_run_of, gap.horizon_s);
@@ -202,7 +202,7 @@ fn before_and_after(found: &Diagnosis) -> Option<Section> {
     let caption = "Both filters really run, closed loop, on the fitted noise. A filter that lacks nothing has an RMS of 1.";
     let table = Table::new(caption, &["log", "gap", "before", "after"], rows).drawn_as("before-and-after");
     let mut items = vec![table.into()];
-    for (log, gap) in [("this log", Some(&gap.fit)), ("the second log", gap.verify.as_ref())] {
+    for (log, gap) in [(found.called(), Some(&gap.fit)), ("the second log", gap.verify.as_ref())] {
         let worse = gap.and_then(|gap| gap.horizontal).filter(|error| error.after_m > error.before_m);
         items.extend(worse.map(|error| Item::text(worse_off(log, &error))));
     }
