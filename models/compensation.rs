@@ -274,7 +274,8 @@ fn stand_on(signals: &mut Signals<f64>, navigation: &NavigationState<f64>) {
     let slope = |of: &dyn Fn(f64) -> f64, step: f64| (of(step) - of(-step)) / (2.0 * step);
     signals.up = to_body * Vector3::z();
     signals.earth_rate = to_body * earth::rotation_n(latitude);
-    signals.earth_turn = signals.earth_rate.cross(&(to_body * Vector3::x()));
+    // further north the Earth's rate turns about east
+    signals.earth_turn = (to_body * Vector3::x()).cross(&signals.earth_rate);
     signals.gravity = earth::gravity(latitude, height);
     signals.gravity_by_latitude = slope(&|step| earth::gravity(latitude + step, height), 1e-4);
     signals.gravity_by_height = slope(&|step| earth::gravity(latitude, height + step), 10.0);
@@ -317,4 +318,33 @@ pub fn input_errors<F: Filter<Dynamics = Strapdown>, T: Real>(
     F::input_jacobian(signals, &mut |input, state, value| error[input] += value * parameters[state]);
     let [a, b, c, d, e, f] = error;
     (Vector3::new(a, b, c), Vector3::new(d, e, f))
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::UnitQuaternion;
+
+    use super::*;
+    use crate::Site;
+
+    /// What the site does against differences over latitude and height.
+    #[test]
+    fn the_site_makes_what_its_formulas_say() {
+        let site = Site { latitude: 0.56, longitude: 2.07, height: 20.0 };
+        let attitude = UnitQuaternion::from_euler_angles(0.3, -0.8, 2.1);
+        let navigation = NavigationState::at_rest(&site, attitude);
+        let mut signals = Signals::default();
+        stand_on(&mut signals, &navigation);
+        let step = 1e-5;
+        let rate = |by: f64| attitude.inverse() * earth::rotation_n(site.latitude + by);
+        let turn = (rate(step) - rate(-step)) / (2.0 * step);
+        assert!((signals.earth_turn - turn).norm() < 1e-9 * turn.norm(), "{} {turn}", signals.earth_turn);
+        assert!((signals.earth_rate - rate(0.0)).norm() < 1e-18);
+        assert!((signals.up - attitude.inverse() * Vector3::z()).norm() < 1e-15);
+        let gravity = |by: f64| earth::gravity(site.latitude + by, site.height);
+        let slope = (gravity(step) - gravity(-step)) / (2.0 * step);
+        assert!((signals.gravity_by_latitude - slope).abs() < 1e-6 * slope.abs());
+        let by_height = (earth::gravity(site.latitude, 30.0) - earth::gravity(site.latitude, 10.0)) / 20.0;
+        assert!((signals.gravity_by_height - by_height).abs() < 1e-6 * by_height.abs());
+    }
 }
