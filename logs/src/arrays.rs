@@ -29,8 +29,8 @@ pub(super) trait Arrays {
 
 /// How the samples stand in an array.
 #[derive(Clone, Copy)]
-struct Shape {
-    rows: u64,
+pub(super) struct Shape {
+    pub(super) rows: u64,
     columns: usize,
     /// Whether the numbers of a row follow each other, or those of a column.
     by_row: bool,
@@ -38,7 +38,7 @@ struct Shape {
 
 impl Shape {
     /// Samples go along the longer side.
-    fn of(dims: &[u64]) -> Result<Self, String> {
+    pub(super) fn of(dims: &[u64]) -> Result<Self, String> {
         let long: Vec<u64> = dims.iter().copied().filter(|side| *side != 1).collect();
         let (slow, fast) = match long[..] {
             _ if dims.contains(&0) => return Err("nothing (it is empty)".into()),
@@ -52,6 +52,12 @@ impl Shape {
         // a log has more samples than columns; anything else is told by its sides
         let columns = usize::try_from(columns).map_err(|_| "an array too large".to_owned())?;
         Ok(Self { rows, columns, by_row })
+    }
+
+    /// Which number of the file stands in a row and a column.
+    #[cfg(feature = "npz")]
+    pub(super) fn at(&self, row: usize, column: usize) -> usize {
+        if self.by_row { row * self.columns + column } else { column * self.rows as usize + row }
     }
 }
 

@@ -65,6 +65,7 @@ impl Arrays for Numpy {
             Self::Npz(archive) => numbers(archive.by_index(index).map_err(|error| error.to_string())?, each),
             Self::Npy(path) => numbers(File::open(path).map_err(|error| error.to_string())?, each),
         })
+        .map(drop)
     }
 }
 
@@ -136,9 +137,13 @@ fn describe(mut bytes: impl Read) -> Result<Vec<u64>, String> {
     Err(holds.into())
 }
 
-/// Hands over the numbers of an array, and reads it to its end.
-fn numbers(mut bytes: impl Read, each: &mut dyn FnMut(f64) -> bool) -> Result<(), String> {
+/// Hands over the numbers of an array, and reads it to its end. Returns its dimensions as it tells them, and their order.
+pub(super) fn numbers(
+    mut bytes: impl Read,
+    each: &mut dyn FnMut(f64) -> bool,
+) -> Result<(Vec<u64>, Order), String> {
     let header = header(&mut bytes)?;
+    let (dims, order) = (header.shape().to_vec(), header.order());
     let DType::Plain(kind) = header.dtype() else { return Err("it holds no plain numbers".into()) };
     let mut rest = BufReader::with_capacity(1 << 16, bytes);
     let file = NpyFile::with_header(header, &mut rest);
@@ -168,7 +173,7 @@ fn numbers(mut bytes: impl Read, each: &mut dyn FnMut(f64) -> bool) -> Result<()
     }
     // an archive tells at the end of an array whether its checksum is right
     match if whole { rest.read(&mut [0]) } else { Ok(0) } {
-        Ok(0) => Ok(()),
+        Ok(0) => Ok((dims, order)),
         Ok(_) => Err("more follows the array: one array to a file is read".into()),
         Err(error) => Err(error.to_string()),
     }

@@ -18,6 +18,7 @@ use super::increments::{Increments, Values};
 use super::layout::{Asked, Layout, Part};
 use super::parquet::ParquetSource;
 use super::reading::Reading;
+use super::rewrite::Column;
 use super::stamp::Stamp;
 use super::stamps::{self, Line, Plan, Residuals, Shown, Stamps};
 use super::unreadable;
@@ -64,7 +65,7 @@ pub(super) struct Table {
 enum Contents {
     Parquet,
     Csv,
-    Memory(Arc<Memory>),
+    Memory(Arc<Memory>, Kind),
 }
 
 /// How a table is written.
@@ -72,7 +73,9 @@ enum Contents {
 pub(super) enum Format {
     Text,
     Parquet,
-    Arrays,
+    Numpy,
+    /// What is read and not written.
+    Others,
 }
 
 impl Table {
@@ -128,7 +131,7 @@ impl Table {
             _ => {
                 let (memory, layout) = files::load(path, kind, asked)?;
                 let size = memory.rows as u64;
-                (Contents::Memory(Arc::new(memory)), layout, size)
+                (Contents::Memory(Arc::new(memory), kind), layout, size)
             }
         };
         let mut table = Self {
@@ -168,7 +171,8 @@ impl Table {
         match self.holds {
             Contents::Csv => Format::Text,
             Contents::Parquet => Format::Parquet,
-            Contents::Memory(_) => Format::Arrays,
+            Contents::Memory(_, Kind::Npz | Kind::Npy) => Format::Numpy,
+            Contents::Memory(..) => Format::Others,
         }
     }
 
@@ -178,8 +182,9 @@ impl Table {
     }
 
     /// In which column of the file a slot stands, and its unit.
-    pub(super) fn place(&self, slot: usize) -> Option<(usize, super::map::Unit)> {
-        self.layout.columns().find(|(of, _)| *of == slot).map(|(_, place)| (place.variable, place.unit))
+    pub(super) fn place(&self, slot: usize) -> Option<(Column, super::map::Unit)> {
+        let (_, place) = self.layout.columns().find(|(of, _)| *of == slot)?;
+        Some((Column { variable: place.variable, column: place.column }, place.unit))
     }
 
     /// What is in the file and not read.
@@ -316,7 +321,7 @@ impl Table {
         let mut source: Box<dyn Source + Send> = match &self.holds {
             Contents::Parquet => Box::new(ParquetSource::open(&self.path, asked)?.0),
             Contents::Csv => Box::new(CsvSource::open(&self.path, asked)?.0),
-            Contents::Memory(memory) => Box::new(MemorySource::new(Arc::clone(memory))),
+            Contents::Memory(memory, _) => Box::new(MemorySource::new(Arc::clone(memory))),
         };
         if self.plan.origin != 0 {
             let scale = self.layout.unit(Group::TIME.first).scale;
@@ -328,7 +333,7 @@ impl Table {
 
     /// What a file must still be that is read anew for each pass.
     fn watched(&self) -> Option<(Stamp, PathBuf)> {
-        (!matches!(self.holds, Contents::Memory(_))).then(|| (self.stamp, self.path.clone()))
+        (!matches!(self.holds, Contents::Memory(..))).then(|| (self.stamp, self.path.clone()))
     }
 
     /// Latitude and longitude as metres, angles as a quaternion, all in our axes.

@@ -214,6 +214,28 @@ def check(program):
         mapped = "gyro=w,dvel_x=f [x],dvel_y=f [y],dvel_z=f [z],time=t"
         assert result(program, others, "--map", mapped) == bare
         done += 2
+        # the errors taken out: of NumPy files as of the table of text
+        calibration = folder / "c.json"
+        calibration.write_text(calibrate(program, folder / "bare.csv").stdout)
+
+        def applied(log, *options):
+            out = folder / f"applied-{log.name}"
+            command = [program, "apply", str(log), "--calibration", str(calibration), "--out", str(out), *options]
+            subprocess.run(command, capture_output=True, check=True)
+            return out
+
+        corrected = table(applied(folder / "bare.csv"))
+        gyro, accel = triad(corrected, "dtheta"), triad(corrected, "dvel")
+        assert np.abs(gyro - dtheta).max() > 0
+        for ending in ["plain.npz", "packed.npz"]:
+            mapped = ["--map", "gyro=wm,accel=vm,time=t"]
+            with np.load(applied(folder / f"foreign-{ending}", *mapped)) as found:
+                assert set(found) == set(foreign) and np.array_equal(found["other"], foreign["other"])
+                assert np.abs(found["wm"] - gyro).max() < 1e-15 and np.abs(found["vm"] - accel.T).max() < 1e-13
+            done += 1
+        found = np.load(applied(folder / "single-imu.npy"))
+        assert np.abs(found - np.column_stack([gyro, accel, time])).max() < 1e-13
+        done += 1
         assert calibrate(program, GOLDEN.with_suffix(".csv"), "--map", "gyr=w").returncode == 2
         for ending, name in [("v7.mat", "avp"), ("packed.npz", "avp"), ("packed.h5", "avp")]:
             run = calibrate(program, write(f"missing-{ending}", foreign), "--map", f"gyro={name},accel=vm,time=t")

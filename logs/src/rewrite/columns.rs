@@ -144,7 +144,7 @@ impl Sheet for Columns<'_> {
             self.write()?;
         }
         for column in &mut self.columns {
-            let of = changes.iter().find(|(variable, _)| *variable == column.variable);
+            let of = changes.iter().find(|(changed, _)| changed.variable == column.variable);
             column.changes.push(of.map_or(0.0, |(_, change)| *change));
         }
         self.rows += 1;

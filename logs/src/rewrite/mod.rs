@@ -1,6 +1,8 @@
 //! A table written once more, with other rates and forces and everything else as it stands.
 
 mod columns;
+#[cfg(feature = "npz")]
+mod numpy;
 mod text;
 
 use std::io::{self, Write};
@@ -9,6 +11,8 @@ use nalgebra::Vector3;
 use sinscal::Sample;
 
 use self::columns::Columns;
+#[cfg(feature = "npz")]
+use self::numpy::Numpy;
 use self::text::Text;
 use super::columns::Group;
 use super::fault::LogError;
@@ -19,8 +23,17 @@ use super::{Log, Samples};
 /// Angle and velocity increments, rad and m/s, in the axes of samples.
 type Increments = (Vector3<f64>, Vector3<f64>);
 
-/// A column of the file, counted from 0, and what is added to its number in a row, in its unit.
-type Change = (usize, f64);
+/// A column of the file: of a table the variables are its columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Column {
+    /// Which variable of the file, counted from 0.
+    pub(super) variable: usize,
+    /// Which of its columns.
+    pub(super) column: usize,
+}
+
+/// A column, and what is added to its number in a row, in its unit.
+type Change = (Column, f64);
 
 /// A table on its way from file to file.
 trait Sheet {
@@ -37,10 +50,10 @@ impl Log {
     /// # Errors
     /// When it cannot: says which can.
     pub fn can_be_rewritten(&self) -> Result<(), LogError> {
-        if self.table.format() != Format::Arrays {
+        if self.table.format() != Format::Others {
             return Ok(());
         }
-        let help = "text (CSV and its like) and Parquet are written: save the log as one of these first";
+        let help = "text (CSV and its like), Parquet and NumPy files are written: save the log as one of these first";
         Err(LogError::file(self.table(), "is of a format that is not written").help(help))
     }
 
@@ -59,12 +72,14 @@ impl Log {
         let places = slots.into_iter().flat_map(Group::slots).filter_map(|slot| self.table.place(slot));
         let mut sheet: Box<dyn Sheet + '_> = match self.table.format() {
             Format::Parquet => {
-                let variables: Vec<usize> = places.map(|(variable, _)| variable).collect();
+                let variables: Vec<usize> = places.map(|(column, _)| column.variable).collect();
                 match Columns::open(self.table(), out, &variables) {
                     Ok(sheet) => Box::new(sheet),
                     Err(error) => return Ok(Err(error)),
                 }
             }
+            #[cfg(feature = "npz")]
+            Format::Numpy => Box::new(Numpy::new(self.table(), out)),
             _ => Box::new(Text::open(self.table(), out)?),
         };
         let mut samples = self.samples()?;

@@ -46,7 +46,7 @@ impl<'a> Text<'a> {
         let mut line = Vec::with_capacity(self.line.len() + 64);
         let mut copied = 0;
         for (column, change) in changes {
-            let (start, end) = *fields.get(column).ok_or_else(meanwhile)?;
+            let (start, end) = *fields.get(column.variable).ok_or_else(meanwhile)?;
             let field = std::str::from_utf8(&self.line[start..end]).map_err(|_| meanwhile())?;
             let number = dialect::number(field, self.dialect.decimal_comma).ok_or_else(meanwhile)?;
             line.extend_from_slice(&self.line[copied..start]);
