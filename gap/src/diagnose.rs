@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use runs::AnyFilter;
-use sinscal::{AnyEffect, DitherScale, Effect as _, EffectInfo, Setup};
+use sinscal::{AnyEffect, DitherScale, Effect as _, EffectInfo};
 
 use crate::candidates::amplitudes;
 use crate::decide::{Decision, decide, withheld};
@@ -11,7 +11,7 @@ use crate::error::{Error, Which};
 use crate::excite::indistinguishable;
 use crate::linear::Noise;
 use crate::locate::{locate, locate_family};
-use crate::log::{Log, Survey, Surveyed};
+use crate::log::Log;
 use crate::open::Open;
 use crate::parallel::both;
 use crate::partial::scattered;
@@ -20,6 +20,7 @@ use crate::rerun::{Added, rerun};
 use crate::review::review;
 use crate::run::{DELAY, Machine, Runs};
 use crate::scene::{EXCITED, Scene};
+use crate::taken::Surveys;
 use crate::white::whiteness;
 use crate::{say, threshold};
 
@@ -68,45 +69,21 @@ fn workflow(
     progress: &mut dyn FnMut(&'static str, f64),
 ) -> Result<Diagnosis, Error> {
     progress("reading", 0.0);
-    let (there, here) = both(|| verify.map(Survey::of), || logs.iter().map(Survey::of).collect::<Vec<_>>());
-    let there = there.transpose().map_err(|e| Error::of(Which::Verification, e.into()))?;
-    let here = here
-        .into_iter()
-        .enumerate()
-        .map(|(place, survey)| survey.map_err(|e| Error::of(Which::Log(place), e.into())));
-    let here = here.collect::<Result<Vec<Survey>, Error>>()?;
-    // the same data twice are no more evidence
-    let is_again = |place: &usize| here[..*place].iter().any(|other| other.is_same(&here[*place]));
-    let (again, places): (Vec<usize>, Vec<usize>) = (0..here.len()).partition(is_again);
-    let same = there.is_some_and(|there| here.iter().any(|here| there.is_same(here)));
-    let there = there.filter(|_| !same);
-    let setups: Vec<Setup> = places.iter().map(|p| here[*p].setup(&logs[*p], places.len())).collect();
-    let there_setup = verify.zip(there.as_ref()).map(|(log, survey)| survey.setup(log, 1));
-    let surveyed = |(place, setup)| {
-        let which = Which::Log(place);
-        Surveyed { log: Log { setup, ..logs[place] }, survey: here[place], which }
-    };
-    let taken: Vec<Surveyed> = places.iter().copied().zip(&setups).map(surveyed).collect();
+    let surveys = Surveys::of(logs, verify)?;
+    let taken = surveys.logs(logs);
     let Some(log) = taken.first().map(|one| one.log) else {
         return Err(Error::TooShort { log: Which::FIRST, updates: 0 });
     };
-    let verify = verify.zip(there_setup.as_ref()).zip(there).map(|((log, setup), survey)| {
-        let which = Which::Verification;
-        (log.setup, Surveyed { log: Log { setup, ..*log }, survey, which })
-    });
-    let of_logs = taken.iter().map(|one| rarer(&called(one.which, taken.len()), log.setup, one.log.setup));
-    let mut rarely: Vec<Option<String>> = of_logs.collect();
-    rarely.extend(verify.map(|(asked, there)| rarer(&called(there.which, 1), asked, there.log.setup)));
-    let verify = verify.map(|(_, there)| there);
+    let there = surveys.verification(verify);
     progress("recording a pass with every effect", 0.05);
     let (second, first) = both(
-        || verify.as_ref().map(|there| Scene::new(machine, core::slice::from_ref(there))),
+        || there.as_ref().map(|there| Scene::new(machine, core::slice::from_ref(there))),
         || Scene::new(machine, &taken),
     );
     let first = first?;
     let (second, unusable) = usable(second)?;
     // nor may what stands in it keep a name from the first
-    let verify = verify.filter(|_| second.is_some());
+    let there = there.filter(|_| second.is_some());
     progress("pricing what is in no library", 0.45);
     let rate = options.false_alarms / 2.0;
     let (open, limit) = both(
@@ -119,7 +96,7 @@ fn workflow(
         log.setup.priors.iter().find(|prior| prior.0 == name && prior.0 != DELAY).map(|prior| prior.1)
     })
     .map_err(|e| Error::of(Which::Verification, e))?;
-    let saturated = taken.iter().chain(&verify).find_map(|one| one.survey.look.saturated());
+    let saturated = taken.iter().chain(&there).find_map(|one| one.survey.look.saturated());
     let mut law = None;
     match saturated {
         Some(saturated) => decision = withheld(&first, format!("the {saturated}")),
@@ -141,7 +118,7 @@ fn workflow(
         progress("running the filter with what was found", 0.7);
         let scenes = (&first, second.as_ref());
         let added = Added::new(scenes, groups, law.as_ref())?;
-        match rerun(machine, &taken, verify.as_ref(), scenes, &added, &mut d) {
+        match rerun(machine, &taken, there.as_ref(), scenes, &added, &mut d) {
             // what was found stands; a filter that lacks it may well not survive a long log
             Err(Error::Diverged { log, source }) => {
                 let time = source.time;
@@ -160,49 +137,12 @@ fn workflow(
             .zip(sigmas)
             .for_each(|(value, sigma)| (*value, *sigma) = amplitudes((*value, *sigma)));
     }
-    for one in taken.iter().chain(&verify) {
-        let log = called(one.which, taken.len());
-        let (rows, late) = one.survey.late;
-        if rows != 0 {
-            d.notes.push(format!(
-                "in {log} reference and inertial sensors show the same motion {:.0} ms apart: the reference was taken {} rows {} before anything else; values of reference-delay are the whole delay",
-                1e3 * late.abs(),
-                rows.abs(),
-                if rows > 0 { "earlier" } else { "later" }
-            ));
-        }
-        if let Some((read, told)) = one.survey.look.fahrenheit() {
-            d.notes.push(format!(
-                "the temperatures of {log} begin at {read:.1} degC: {read:.1} degF would be {told:.1} degC"
-            ));
-        }
-    }
-    if d.logs > 1 {
-        let many = d.logs;
-        d.notes.push(format!("{many} logs are taken as one: times count on from each to the next"));
-    }
-    for place in again {
-        let log = called(Which::Log(place), logs.len());
-        d.notes.push(format!("{log} is one of those before it again, and was left out"));
-    }
-    if same {
-        d.notes.push("the second log is the first one again, and confirms nothing: it was left out".into());
-    }
+    d.notes.extend(surveys.notes(logs, verify, there.is_some()));
     d.notes.extend(unusable);
-    d.notes.extend(rarely.into_iter().flatten());
     d.notes.splice(0..0, say::details(&d, decision.best.gain));
-    d.sentence = say::sentence(&d, decision.reason.as_deref(), same);
+    d.sentence = say::sentence(&d, decision.reason.as_deref(), surveys.is_same());
     progress("done", 1.0);
     Ok(d)
-}
-
-/// A log as notes call it, one of so `many` that are diagnosed.
-fn called(which: Which, many: usize) -> String {
-    match which {
-        Which::Log(_) if many < 2 => "this log".into(),
-        Which::Log(_) => format!("the {which}"),
-        Which::Verification => "the second log".into(),
-    }
 }
 
 /// The second log, or why it was left out: what a filter cannot run over confirms nothing, and does not end the diagnosis of the
@@ -213,12 +153,6 @@ fn usable(second: Option<Result<Scene, Error>>) -> Result<(Option<Scene>, Option
         Err(unreadable @ Error::Unreadable { .. }) => Err(unreadable),
         Err(why) => Ok((None, Some(format!("the second log cannot be used, and was left out: {why}")))),
     }
-}
-
-/// Whether the reference of a log is used more rarely than asked for.
-fn rarer(log: &str, asked: &Setup, used: &Setup) -> Option<String> {
-    (used.update_rate < asked.update_rate)
-        .then(|| format!("{log} is long: its reference was used once in {:.1} s", 1.0 / used.update_rate))
 }
 
 /// Everything but the re-run.
@@ -446,11 +380,12 @@ fn notes(first: &Scene, second: Option<&Scene>, open: Option<&Open>, decision: &
 mod tests {
     use runs::Declared;
     use sinscal::navigation::Pilot;
-    use sinscal::{CATALOGUE, Diverged, Sample, Sins36P};
+    use sinscal::{CATALOGUE, Diverged, Sample, Setup, Sins36P};
 
     use super::*;
     use crate::declaration::BaseFilter;
     use crate::error::SceneError;
+    use crate::log::{Survey, Surveyed};
     use crate::run::{Ran, Size};
 
     /// 36d-p, which diverges without help, and with too much of it.

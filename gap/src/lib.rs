@@ -55,6 +55,7 @@ mod say;
 mod scan;
 mod scene;
 mod shifted;
+mod taken;
 #[cfg(test)]
 mod tests;
 mod threshold;
