@@ -5,19 +5,32 @@ mod common;
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use common::{sample, setup, signals};
 use nalgebra::Vector3;
-use sinscal::{Calibration, Conventional, Form, Sins43B, Ud};
+use sinscal::prelude::*;
+use sinscal::{Form, Sins43B};
 
 #[cfg(debug_assertions)]
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
-fn calibrates_without_allocation<C: Form>() {
+/// A filter that considers what is not the unit's.
+#[derive(StateBlocks)]
+#[filter(name = "considering")]
+struct Considering {
+    #[base]
+    sins: Sins43B,
+    #[consider]
+    latitude: SiteLatitude,
+    #[consider]
+    lag: ThermometerLag,
+}
+
+fn calibrates_without_allocation<F: Filter<Dynamics = Strapdown>, C: Form>() {
     let mut updates = 0;
     // a reference that fits no motion here, and is not refused for it
     let mut setup = setup();
     setup.reference.velocity = 1e6;
     setup.reference.position = 1e6;
-    let mut run = Calibration::<Sins43B, C>::new(&setup).expect("a sound setup");
+    let mut run = Calibration::<F, C>::new(&setup).expect("a sound setup");
     assert_no_alloc(|| {
         for pass in 0..2 {
             for k in 0..500 {
@@ -42,6 +55,12 @@ fn calibrates_without_allocation<C: Form>() {
 
 #[test]
 fn the_loop_does_not_allocate_in_either_form() {
-    calibrates_without_allocation::<Conventional>();
-    calibrates_without_allocation::<Ud>();
+    calibrates_without_allocation::<Sins43B, Conventional>();
+    calibrates_without_allocation::<Sins43B, Ud>();
+}
+
+#[test]
+fn nor_does_it_where_states_are_considered() {
+    calibrates_without_allocation::<Considering, Conventional>();
+    calibrates_without_allocation::<Considering, Ud>();
 }
