@@ -20,7 +20,7 @@ Examples:
   sinscal apply data.txt --calibration c.json --map gyro=w:deg/s,accel=a:g,time=t --out corrected.txt
 
 The result is of the format of the log, with its names, units, axes and lines; rates and forces alone are others. Text (CSV and its like),
-Parquet and NumPy files are written. The description is copied beside it, as OUT.toml.";
+Parquet, NumPy files and MATLAB files of `save -v7` are written. The description is copied beside it, as OUT.toml.";
 
 /// Write a log with the errors that a calibration found taken out, in the same format
 #[derive(Args)]

@@ -6,13 +6,16 @@
 //! Format, The MathWorks (level 5).
 
 use std::fs::File;
-use std::io::{BufReader, Read, Seek, SeekFrom, Take};
+use std::io::{BufReader, Read, Seek, SeekFrom, Take, Write as _};
 use std::path::Path;
 
+use flate2::Compression;
 use flate2::read::ZlibDecoder;
+use flate2::write::ZlibEncoder;
 
 use super::arrays::{Arrays, MOST_VARIABLES, Named};
 use super::fault::LogError;
+use super::rewrite::arrays::Changes;
 
 /// Bytes before the first variable.
 const HEADER: u64 = 128;
@@ -29,6 +32,8 @@ const COMPRESSED: u32 = 15;
 /// Class of an object, whose header has no dimensions.
 const OPAQUE: u32 = 17;
 const STRUCT: u32 = 2;
+/// Class of an array in double precision.
+const DOUBLE: u32 = 6;
 
 /// A MATLAB file, its variables listed.
 pub(super) struct Mat5 {
@@ -145,6 +150,83 @@ impl Mat5 {
         let mut reader = Reader { bytes, big_endian, read: 0 };
         reader.skip(element.within)?;
         read(&mut reader)
+    }
+}
+
+/// A file with other numbers in some of its variables; everything else is copied as it stands.
+pub(super) fn rewritten(path: &Path, changes: &Changes) -> Result<Vec<u8>, String> {
+    let (mut mat, named) = Mat5::open(path).map_err(|error| error.to_string())?;
+    let io = |error: std::io::Error| error.to_string();
+    let mut written = Vec::new();
+    let mut copied = 0;
+    let elements = mat.elements.clone();
+    for (index, (element, named)) in elements.iter().zip(&named).enumerate().filter(|(i, _)| changes.has(*i))
+    {
+        if element.within > 0 {
+            return Err(format!("{} is a field of a struct, which is not written", named.name));
+        }
+        let dims = named.dims.clone()?;
+        let mut numbers = Vec::new();
+        mat.read(index, &mut |number| {
+            numbers.push(number);
+            true
+        })?;
+        changes.apply(index, &dims, &mut numbers)?;
+        // its tag stands before it
+        let start = element.offset - 8;
+        mat.file.seek(SeekFrom::Start(copied)).map_err(io)?;
+        std::io::copy(&mut (&mut mat.file).take(start - copied), &mut written).map_err(io)?;
+        let array = mat.array(&named.name, &dims, &numbers)?;
+        if element.compressed {
+            let mut packed = ZlibEncoder::new(Vec::new(), Compression::default());
+            packed.write_all(&array).map_err(io)?;
+            let packed = packed.finish().map_err(io)?;
+            mat.tag(COMPRESSED, packed.len(), &mut written)?;
+            written.extend(packed);
+        } else {
+            written.extend(array);
+        }
+        copied = element.offset + element.size;
+    }
+    mat.file.seek(SeekFrom::Start(copied)).map_err(io)?;
+    std::io::copy(&mut mat.file, &mut written).map_err(io)?;
+    Ok(written)
+}
+
+impl Mat5 {
+    fn u32(&self, number: u32) -> [u8; 4] {
+        if self.big_endian { number.to_be_bytes() } else { number.to_le_bytes() }
+    }
+
+    fn tag(&self, kind: u32, size: usize, written: &mut Vec<u8>) -> Result<(), String> {
+        let size = u32::try_from(size).map_err(|_| "it is too large for a file of this kind".to_owned())?;
+        written.extend(self.u32(kind));
+        written.extend(self.u32(size));
+        Ok(())
+    }
+
+    /// A variable of numbers in double precision; dimensions come the slowest first.
+    fn array(&self, name: &str, dims: &[u64], numbers: &[f64]) -> Result<Vec<u8>, String> {
+        let mut contents = Vec::with_capacity(8 * numbers.len() + 128);
+        let part = |kind: u32, bytes: &[u8], contents: &mut Vec<u8>| {
+            self.tag(kind, bytes.len(), contents)?;
+            contents.extend(bytes);
+            contents.resize(contents.len().next_multiple_of(8), 0);
+            Ok::<(), String>(())
+        };
+        let flags = [self.u32(DOUBLE), self.u32(0)].concat();
+        part(6, &flags, &mut contents)?;
+        let sides = dims.iter().rev().map(|side| u32::try_from(*side).map(|side| self.u32(side)));
+        let sides = sides.collect::<Result<Vec<_>, _>>().map_err(|_| "it is too large".to_owned())?;
+        part(5, &sides.concat(), &mut contents)?;
+        part(1, name.as_bytes(), &mut contents)?;
+        self.tag(9, 8 * numbers.len(), &mut contents)?;
+        let number = |number: &f64| if self.big_endian { number.to_be_bytes() } else { number.to_le_bytes() };
+        contents.extend(numbers.iter().flat_map(number));
+        let mut written = Vec::with_capacity(contents.len() + 8);
+        self.tag(MATRIX, contents.len(), &mut written)?;
+        written.extend(contents);
+        Ok(written)
     }
 }
 
@@ -352,6 +434,81 @@ impl<R: Read> Reader<R> {
                 break;
             }
         }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rewrite::arrays::{change, changed};
+
+    type Done = Result<(), Box<dyn std::error::Error>>;
+
+    const ROWS: usize = 5;
+
+    /// A file of two arrays of three columns, and what MATLAB keeps for itself between them.
+    fn file(big_endian: bool, compressed: bool) -> Result<Vec<u8>, String> {
+        let empty = tempfile::tempfile().map_err(|error| error.to_string())?;
+        let mat = Mat5 { file: empty, big_endian, elements: Vec::new() };
+        let mut file = vec![b' '; 124];
+        file.extend(if big_endian { *b"\x01\x00MI" } else { *b"\x00\x01IM" });
+        let numbers: Vec<f64> = (0..3 * ROWS).map(|k| 0.25 * k as f64).collect();
+        let by_column = mat.array("wm", &[3, ROWS as u64], &numbers)?;
+        let lying = mat.array("vm", &[ROWS as u64, 3], &numbers)?;
+        for array in [by_column, mat.array("", &[1, 1], &[7.0])?, lying] {
+            if compressed {
+                let mut packed = ZlibEncoder::new(Vec::new(), Compression::fast());
+                packed.write_all(&array).map_err(|error| error.to_string())?;
+                let packed = packed.finish().map_err(|error| error.to_string())?;
+                mat.tag(COMPRESSED, packed.len(), &mut file)?;
+                file.extend(packed);
+            } else {
+                file.extend(array);
+            }
+        }
+        Ok(file)
+    }
+
+    fn arrays(path: &Path) -> Result<Vec<(String, Vec<u64>, Vec<f64>)>, String> {
+        let (mut mat, named) = Mat5::open(path).map_err(|error| error.to_string())?;
+        let mut all = Vec::new();
+        for (index, named) in named.into_iter().enumerate() {
+            let mut numbers = Vec::new();
+            mat.read(index, &mut |number| {
+                numbers.push(number);
+                true
+            })?;
+            all.push((named.name, named.dims?, numbers));
+        }
+        Ok(all)
+    }
+
+    #[test]
+    fn variables_change_in_either_order_of_bytes_packed_or_not() -> Done {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join("log.mat");
+        for (big_endian, compressed) in [(false, false), (false, true), (true, false), (true, true)] {
+            std::fs::write(&path, file(big_endian, compressed)?)?;
+            let mut expected = arrays(&path)?;
+            for row in 0..ROWS {
+                expected[0].2[2 * ROWS + row] += change(0, 2, row);
+                expected[1].2[3 * row + 1] += change(1, 1, row);
+            }
+            let out = changed(&path, rewritten, ROWS, &[(0, 2), (1, 1)])?;
+            std::fs::write(&path, out)?;
+            assert_eq!(arrays(&path)?, expected, "{big_endian} {compressed}");
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn what_does_not_change_is_copied_to_the_byte() -> Done {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join("log.mat");
+        let before = file(false, true)?;
+        std::fs::write(&path, &before)?;
+        assert_eq!(changed(&path, rewritten, 0, &[])?, before);
         Ok(())
     }
 }

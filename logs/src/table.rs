@@ -73,7 +73,9 @@ enum Contents {
 pub(super) enum Format {
     Text,
     Parquet,
-    Numpy,
+    Npz,
+    Npy,
+    Mat,
     /// What is read and not written.
     Others,
 }
@@ -171,7 +173,9 @@ impl Table {
         match self.holds {
             Contents::Csv => Format::Text,
             Contents::Parquet => Format::Parquet,
-            Contents::Memory(_, Kind::Npz | Kind::Npy) => Format::Numpy,
+            Contents::Memory(_, Kind::Npz) => Format::Npz,
+            Contents::Memory(_, Kind::Npy) => Format::Npy,
+            Contents::Memory(_, Kind::Mat) => Format::Mat,
             Contents::Memory(..) => Format::Others,
         }
     }

@@ -214,7 +214,7 @@ def check(program):
         mapped = "gyro=w,dvel_x=f [x],dvel_y=f [y],dvel_z=f [z],time=t"
         assert result(program, others, "--map", mapped) == bare
         done += 2
-        # the errors taken out: of NumPy files as of the table of text
+        # the errors taken out: of NumPy and MATLAB files as of the table of text
         calibration = folder / "c.json"
         calibration.write_text(calibrate(program, folder / "bare.csv").stdout)
 
@@ -232,6 +232,11 @@ def check(program):
             with np.load(applied(folder / f"foreign-{ending}", *mapped)) as found:
                 assert set(found) == set(foreign) and np.array_equal(found["other"], foreign["other"])
                 assert np.abs(found["wm"] - gyro).max() < 1e-15 and np.abs(found["vm"] - accel.T).max() < 1e-13
+            done += 1
+        for ending in ["v5.mat", "v7.mat"]:
+            found = scipy.io.loadmat(applied(folder / f"foreign-{ending}", *mapped))
+            assert np.array_equal(found["other"].ravel(), foreign["other"]) and found["wm"].shape == gyro.shape
+            assert np.abs(found["wm"] - gyro).max() < 1e-15 and np.abs(found["vm"] - accel.T).max() < 1e-13
             done += 1
         found = np.load(applied(folder / "single-imu.npy"))
         assert np.abs(found - np.column_stack([gyro, accel, time])).max() < 1e-13

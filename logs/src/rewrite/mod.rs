@@ -1,5 +1,7 @@
 //! A table written once more, with other rates and forces and everything else as it stands.
 
+#[cfg(any(feature = "npz", feature = "mat"))]
+pub(crate) mod arrays;
 mod columns;
 #[cfg(feature = "npz")]
 mod numpy;
@@ -11,8 +13,6 @@ use nalgebra::Vector3;
 use sinscal::Sample;
 
 use self::columns::Columns;
-#[cfg(feature = "npz")]
-use self::numpy::Numpy;
 use self::text::Text;
 use super::columns::Group;
 use super::fault::LogError;
@@ -53,7 +53,7 @@ impl Log {
         if self.table.format() != Format::Others {
             return Ok(());
         }
-        let help = "text (CSV and its like), Parquet and NumPy files are written: save the log as one of these first";
+        let help = "text (CSV and its like), Parquet, NumPy files and MATLAB files of `save -v7` are written: save the log as one of these first";
         Err(LogError::file(self.table(), "is of a format that is not written").help(help))
     }
 
@@ -79,7 +79,11 @@ impl Log {
                 }
             }
             #[cfg(feature = "npz")]
-            Format::Numpy => Box::new(Numpy::new(self.table(), out)),
+            Format::Npz => Box::new(arrays::Arrays::new(self.table(), out, numpy::archive)),
+            #[cfg(feature = "npz")]
+            Format::Npy => Box::new(arrays::Arrays::new(self.table(), out, numpy::array)),
+            #[cfg(feature = "mat")]
+            Format::Mat => Box::new(arrays::Arrays::new(self.table(), out, crate::mat5::rewritten)),
             _ => Box::new(Text::open(self.table(), out)?),
         };
         let mut samples = self.samples()?;
