@@ -470,7 +470,10 @@ mod tests {
         Ok(file)
     }
 
-    fn arrays(path: &Path) -> Result<Vec<(String, Vec<u64>, Vec<f64>)>, String> {
+    /// Name, dimensions and numbers.
+    type Array = (String, Vec<u64>, Vec<f64>);
+
+    fn arrays(path: &Path) -> Result<Vec<Array>, String> {
         let (mut mat, named) = Mat5::open(path).map_err(|error| error.to_string())?;
         let mut all = Vec::new();
         for (index, named) in named.into_iter().enumerate() {

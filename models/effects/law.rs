@@ -95,24 +95,26 @@ impl Law {
     pub fn effect(&self) -> &'static dyn AnyEffect {
         static KNOWN: Mutex<BTreeMap<String, &'static Data>> = Mutex::new(BTreeMap::new());
         let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-        let data = *known.entry(self.name()).or_insert_with_key(|name| {
-            let kept = |text: String| -> &'static str { text.leak() };
-            let prior = self.bias().prior_sigma / self.term.large();
-            let components = &["x", "y", "z"];
-            let unit = kept(self.unit());
-            // the power of a thousand that makes numbers of what is expected
-            let decades = 3 * ((prior.log10().floor() as i32 - 1).div_euclid(3));
-            let (sheet, scale) = match decades {
-                0 => (unit, 1.0),
-                _ => (kept(format!("1e{decades} {unit}")), 10_f64.powi(decades)),
-            };
-            let info = EffectInfo::new(kept(name.clone()), self.kind, components, unit, prior)
-                .sheet(sheet, scale)
-                .model(kept(self.equation()), "a law of what was measured: how an error goes, and not why")
-                .akin_to(self.bias().name());
-            Box::leak(Box::new(Data { law: self.clone(), info: Box::leak(Box::new(info)) }))
-        });
-        data
+        *known.entry(self.name()).or_insert_with_key(|name| self.data(name))
+    }
+
+    /// The object, for ever.
+    fn data(&self, name: &str) -> &'static Data {
+        let kept = |text: String| -> &'static str { text.leak() };
+        let prior = self.bias().prior_sigma / self.term.large();
+        let components = &["x", "y", "z"];
+        let unit = kept(self.unit());
+        // the power of a thousand that makes numbers of what is expected
+        let decades = 3 * ((prior.log10().floor() as i32 - 1).div_euclid(3));
+        let (sheet, scale) = match decades {
+            0 => (unit, 1.0),
+            _ => (kept(format!("1e{decades} {unit}")), 10_f64.powi(decades)),
+        };
+        let info = EffectInfo::new(kept(name.to_owned()), self.kind, components, unit, prior)
+            .sheet(sheet, scale)
+            .model(kept(self.equation()), "a law of what was measured: how an error goes, and not why")
+            .akin_to(self.bias().name());
+        Box::leak(Box::new(Data { law: self.clone(), info: Box::leak(Box::new(info)) }))
     }
 }
 
