@@ -1,6 +1,6 @@
 //! `sinscal apply`: a log with the errors that a calibration found taken out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use clap::Args;
@@ -22,6 +22,9 @@ Examples:
 The result is of the format of the log, with its names, units, axes and lines; rates and forces alone are others. Text (CSV and its like),
 Parquet, NumPy files and MATLAB files of `save -v7` are written. The description is copied beside it, as OUT.toml.";
 
+/// Endings of files that are no text.
+const BINARY: [&str; 10] = ["parquet", "mat", "h5", "hdf5", "npz", "npy", "mcap", "bag", "ulg", "ulog"];
+
 /// Write a log with the errors that a calibration found taken out, in the same format
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
@@ -41,6 +44,7 @@ impl Arguments {
         let (calibrated, _) = read::read(&self.calibration)?;
         let log = arguments::open(&self.log.log, &self.log.columns.reading_for(&*calibrated.filter))?;
         log.can_be_rewritten()?;
+        self.is_named_like(log.table())?;
         let mut sources = Sources::default();
         sources.add(&self.calibration);
         log.files().iter().for_each(|file| sources.add(file));
@@ -73,6 +77,23 @@ impl Arguments {
         files.commit()?;
         say::remark(&format!("{rows} rows without the errors of {}", calibrated.filter.title()));
         Ok(())
+    }
+
+    /// Refuses a name that says another format than the log has: it would be read as that.
+    fn is_named_like(&self, table: &Path) -> Result<()> {
+        let ending =
+            |path: &Path| path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+        let (Some(from), Some(to)) = (ending(table), ending(&self.out)) else { return Ok(()) };
+        let is_text = |ending: &str| !BINARY.contains(&ending);
+        if from == to || is_text(&from) && is_text(&to) {
+            return Ok(());
+        }
+        Err(miette!(
+            help = "the result is of the format of the log, and its ending says so",
+            "{}: is to be named with .{from}, as {} is",
+            self.out.display(),
+            table.display()
+        ))
     }
 
     /// Copies the description beside the result, where none is there yet.

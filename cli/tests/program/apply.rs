@@ -163,11 +163,15 @@ fn what_cannot_be_written_is_refused_and_leaves_nothing() -> Done {
         (format!("apply bad.csv --calibration c.json {MAP} --out out"), "bad.csv, line 2503"),
         (format!("apply log.csv --calibration none.json {MAP} --out out"), "none.json: cannot be read"),
         (format!("apply log.csv --calibration c.json {MAP} --out log.csv"), "would be lost"),
+        (
+            format!("apply log.csv --calibration c.json {MAP} --out out.npz"),
+            "out.npz: is to be named with .csv, as log.csv is",
+        ),
     ] {
         let output = sinscal(folder, &arguments)?;
         let said = String::from_utf8(output.stderr)?;
         assert!(!output.status.success() && said.contains(expected), "{arguments}: {said}");
-        assert!(!folder.join("out").exists(), "{arguments}");
+        assert!(!folder.join("out").exists() && !folder.join("out.npz").exists(), "{arguments}");
     }
     Ok(())
 }
