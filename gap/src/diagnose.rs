@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use runs::AnyFilter;
 use sinscal::{AnyEffect, DitherScale, Effect as _, EffectInfo};
 
-use crate::candidates::amplitudes;
+use crate::chain::{amplitudes, by_construction};
 use crate::decide::{Decision, decide, withheld};
 use crate::declaration::declaration;
 use crate::error::{Error, Which};
@@ -139,7 +139,7 @@ fn workflow(
     }
     d.notes.extend(surveys.notes(logs, verify, there.is_some()));
     d.notes.extend(unusable);
-    d.notes.splice(0..0, say::details(&d, decision.best.gain));
+    d.notes.splice(0..0, say::details(&d, decision.best.gain, &log.setup.site));
     d.sentence = say::sentence(&d, decision.reason.as_deref(), surveys.is_same());
     progress("done", 1.0);
     Ok(d)
@@ -193,6 +193,8 @@ fn report(
             indistinct.push(vec![pair.effect.clone(), pair.other.clone()]);
         }
     }
+    let unshown = by_construction(&indistinct, &|name| machine.has(name));
+    indistinct.extend(unshown);
     let mut next_run: Vec<String> = pairs.iter().filter_map(|p| say::advice(&p.effect, &p.other)).collect();
     if let Some((_, blamed)) = &decision.degenerate
         && let [one, other] = names(blamed).as_slice()
@@ -249,9 +251,7 @@ fn report(
             white.log10_p_after
         ));
     }
-    for pair in &d.indistinguishable {
-        d.notes.push(format!("on this path {} cannot be told apart from {}", pair[0], pair[1]));
-    }
+    d.notes.extend(say::hidden(&d.indistinguishable));
     d
 }
 

@@ -25,6 +25,7 @@
 #[cfg(feature = "blind")]
 pub mod blind;
 mod candidates;
+mod chain;
 mod chi2;
 mod decide;
 mod declaration;

@@ -3,12 +3,10 @@
 use nalgebra::DVector;
 use runs::{About, AnyFilter, ComposeError, Composition, Options};
 use sinscal::navigation::Pilot;
-use sinscal::{
-    AnyEffect, DitherScale, DitherSizeEffect, Effect, EffectInfo, Gate, INFLUENCES, InnerLeverArm, Setup,
-    StateInfo, any_effect,
-};
+use sinscal::{AnyEffect, DitherSizeEffect, Effect, EffectInfo, Gate, Setup, StateInfo, any_effect};
 
 use crate::candidates::prior_factor;
+use crate::chain::is_left_out;
 use crate::decide::with;
 use crate::declaration::BaseFilter;
 use crate::error::SceneError;
@@ -123,14 +121,10 @@ impl<'a> Runs<'a> {
             own.iter().any(|leaf| leaf.name == effect.name())
                 || effect.name() == DitherSizeEffect::EFFECT.name() && base.needs_dither()
         };
-        // the column of a candidate is that of a constant; of the chain of measurement only the pick-offs are told by the unit itself
-        let told_by_arms = |name: &str| {
-            name == DitherScale::EFFECT.name()
-                && base.needs_dither()
-                && own.iter().any(|leaf| leaf.name == InnerLeverArm::EFFECT.name())
-        };
+        let declares = |name: &str| own.iter().any(|leaf| leaf.name == name);
+        // the column of a candidate is that of a constant
         let outside = |effect: &'static dyn AnyEffect| {
-            effect.is_wander() || INFLUENCES.contains(&effect.name()) && !told_by_arms(effect.name())
+            effect.is_wander() || is_left_out(effect.name(), &declares, base.needs_dither())
         };
         let priced = |effect: &&'static dyn AnyEffect| !has(*effect) && !outside(*effect);
         let effects: Vec<_> = effects.iter().copied().filter(priced).collect();

@@ -1,10 +1,10 @@
 //! Sentences for people.
 
-use core::f64::consts::FRAC_1_SQRT_2;
 use std::fmt::Write;
 
-use sinscal::{DitherScale, Effect as _};
+use sinscal::Site;
 
+use crate::chain::told_wrongly;
 use crate::name::MARGIN;
 use crate::report::{Diagnosis, FoundEffect, FoundLaw, Rival, Verdict};
 
@@ -45,9 +45,6 @@ pub(crate) fn power(ln: f64) -> String {
     let log10 = ln / core::f64::consts::LN_10;
     if log10.abs() < 4.0 { format!("{:.3}", ln.exp()) } else { format!("1e{log10:.0}") }
 }
-
-/// Amplitudes that are told wrongly by a factor within so much of a known one are told so by the mistake that it comes of.
-const MISTAKEN: f64 = 0.15;
 
 /// No verdict is longer than this; what else there is to say follows in notes.
 const LONGEST: usize = 240;
@@ -142,9 +139,9 @@ fn share(part: f64) -> String {
 }
 
 /// What stands behind a verdict, in notes: equations and values, what was gained, what remains, and the nearest rival.
-pub(crate) fn details(d: &Diagnosis, gain: f64) -> Vec<String> {
+pub(crate) fn details(d: &Diagnosis, gain: f64, site: &Site) -> Vec<String> {
     let mut notes: Vec<String> = d.effects.iter().map(describe).collect();
-    notes.extend(d.effects.iter().filter_map(pick_offs));
+    notes.extend(d.effects.iter().filter_map(|found| told_wrongly(found, site)));
     notes.extend(d.laws.iter().map(law));
     if d.effects.is_empty() {
         return notes;
@@ -164,27 +161,6 @@ pub(crate) fn details(d: &Diagnosis, gain: f64) -> Vec<String> {
     }
     notes.push(text);
     notes
-}
-
-/// How the amplitudes of the dither are told, where they are told wrongly, and the mistake that it looks like.
-fn pick_offs(found: &FoundEffect) -> Option<String> {
-    if found.name != DitherScale::EFFECT.name() {
-        return None;
-    }
-    let told: Vec<f64> = found.estimate.iter().map(|k| 1.0 + k).collect();
-    let are = |times: f64| told.iter().all(|told| (told / times - 1.0).abs() < MISTAKEN);
-    let looks = if are(FRAC_1_SQRT_2) {
-        ", as root mean squares are: multiply them by sqrt(2)"
-    } else if are(2.0) {
-        ", as peak to peak is: halve them"
-    } else {
-        ""
-    };
-    let each: Vec<String> = told.iter().map(|told| format!("{told:.2}")).collect();
-    Some(format!(
-        "the log tells {} times the amplitudes that the accelerometers feel{looks}",
-        each.join(", ")
-    ))
 }
 
 /// A law with its coefficients, and what the logs cannot tell from it.
@@ -221,11 +197,32 @@ fn nearest(rival: &Rival, found: &str) -> String {
     format!("; nearest rival: {name}, which gains {gain_alone:.0} by itself; {judged}")
 }
 
+/// What the path cannot tell apart, a sentence for each effect that others hide behind.
+pub(crate) fn hidden(pairs: &[Vec<String>]) -> Vec<String> {
+    let mut behind: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (effect, other) in pairs.iter().filter_map(|pair| Some((pair.first()?, pair.get(1)?))) {
+        match behind.iter_mut().find(|(name, _)| name == other) {
+            Some((_, effects)) => effects.push(effect),
+            None => behind.push((other, vec![effect])),
+        }
+    }
+    let sentence = |(other, effects): (&str, Vec<&str>)| {
+        let all = match effects.as_slice() {
+            [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+            one => one.concat(),
+        };
+        format!("on this path {all} cannot be told apart from {other}")
+    };
+    behind.into_iter().map(sentence).collect()
+}
+
 /// What the next run should do so that two effects part.
 pub(crate) fn advice(effect_name: &str, other: &str) -> Option<String> {
     let is = |name: &str| effect_name == name || other == name;
     let text = if is("dither-size-effect") && is("accel-bias") {
         "let the dither amplitude change during the run (another setting, or a warm-up): constant, it is an accelerometer bias"
+    } else if is("thermometer-lag") {
+        "hold the temperature for an hour, in several attitudes: while it changes, a late thermometer looks like other errors"
     } else if effect_name.contains("temperature") && other.contains("drift")
         || effect_name.contains("drift") && other.contains("temperature")
     {
