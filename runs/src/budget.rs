@@ -11,7 +11,8 @@ pub struct Budget {
     pub noise: f64,
     /// The biases' wander, where the filter has it.
     pub wander: f64,
-    /// What each considered effect adds, in the order of the filter: its standard uncertainty times the sensitivity of the estimate.
+    /// What each considered effect adds, in the order of the filter: its standard uncertainty times the sensitivity of the estimate, and
+    /// its share of the noise that is there because readings must not be leaned on where it could spoil them.
     pub influences: Vec<(&'static str, f64)>,
     /// What another pass would move.
     pub linearisation: f64,
@@ -35,6 +36,18 @@ impl Budget {
         let term = |part: f64, freedom: f64| if part > 0.0 { part.powi(4) / freedom } else { 0.0 };
         self.combined().powi(4)
             / (term(self.noise, self.freedom.0) + term(self.repeatability, self.freedom.1))
+    }
+
+    /// Leaves to the noise what it is where nothing is considered, `alone`, and shares what it is more among the influences, as they are: a
+    /// filter that may not trust the readings that an influence spoils leans on worse ones, and lets in their noise.
+    pub(crate) fn blame(&mut self, alone: f64) {
+        let more = self.noise.powi(2) - alone.powi(2);
+        let spoilt: f64 = self.influences.iter().map(|(_, part)| part * part).sum();
+        if more > 0.0 && spoilt > 0.0 {
+            let grows = (1.0 + more / spoilt).sqrt();
+            self.influences.iter_mut().for_each(|(_, part)| *part *= grows);
+            self.noise = alone;
+        }
     }
 
     /// The largest of the influences.
@@ -77,4 +90,24 @@ pub(crate) fn budget(outcome: &Outcome, considered: &[&str]) -> Vec<Budget> {
             }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_let_in_for_an_influence_counts_to_it() {
+        let influences = vec![("clock-scale", 3.0), ("site-gravity", 4.0)];
+        let before = Budget { noise: 13.0, influences, ..Budget::default() };
+        let mut after = before.clone();
+        after.blame(5.0);
+        assert!((after.combined() - before.combined()).abs() < 1e-12);
+        assert_eq!(after.noise, 5.0);
+        assert!((after.influences[0].1 / after.influences[1].1 - 0.75).abs() < 1e-12);
+        // what is less noise than without is left alone
+        let mut less = before.clone();
+        less.blame(14.0);
+        assert_eq!(less, before);
+    }
 }

@@ -27,6 +27,8 @@ pub struct Composition {
     with: Vec<&'static str>,
     without: Vec<&'static str>,
     considered: Vec<&'static str>,
+    /// The filter without what is considered, when nothing but that was added to it.
+    exact: Option<Arc<dyn AnyFilter>>,
     states: Vec<StateInfo>,
     blocks: Vec<Leaf>,
     pool: &'static Pool,
@@ -174,6 +176,7 @@ impl Composition {
             with: base.with().into_iter().chain(effects.iter().map(|effect| effect.name())).collect(),
             without: Vec::new(),
             considered: base.considers(),
+            exact: None,
             states,
             blocks,
             pool,
@@ -220,6 +223,10 @@ pub fn considering(
         if !composed.considered.contains(&effect.name()) {
             composed.considered.push(effect.name());
         }
+    }
+    // the dither's size effect needs no states beside inner lever arms, and is estimated with them
+    if composed.needs_dither() == filter.needs_dither() {
+        composed.exact = Some(filter.clone());
     }
     Ok(Arc::new(composed))
 }
@@ -308,6 +315,10 @@ impl AnyFilter for Composition {
 
     fn considers(&self) -> Vec<&'static str> {
         self.considered.clone()
+    }
+
+    fn exact(&self) -> Option<&dyn AnyFilter> {
+        self.exact.as_deref()
     }
 
     fn needs_dither(&self) -> bool {

@@ -1,4 +1,5 @@
-//! Filters that consider: what the log says is settled without what is considered, and one pass more carries what that makes uncertain.
+//! Filters that consider: what the log says is settled without what is considered, by the filter that does not have it where there is
+//! one, and one pass more carries what that makes uncertain.
 //!
 //! The posterior by which passes are compared knows no considered states: their priors are zero there. The pass that follows is the filter
 //! of Schmidt (1966) about what was settled, which weighs readings by what they are worth with that uncertainty.
@@ -40,15 +41,17 @@ pub(crate) fn calibrate(
     let priors: Vec<_> = considered.iter().map(|name| (*name, 0.0)).chain(own).collect();
     let exact = Setup { priors: &priors, ..*setup };
     let quick = Options { smooth: false, residuals: false, ..options.clone() };
-    let mut found = settle::calibrate(filter, samples, &exact, &quick, watch)?;
+    let estimating = filter.exact().unwrap_or(filter);
+    let mut found = settle::calibrate(estimating, samples, &exact, &quick, watch)?;
     let mut outcome = about(filter, samples, setup, options, &found)?;
-    let noise = without_wander(filter, samples, &exact, &quick, &found)?;
+    let noise = without_wander(estimating, samples, &exact, &quick, &found)?;
     outcome.budget = budget(&outcome, &considered);
     let mut formal_of = vec![0.0; outcome.parameters.len()];
     for part in &mut outcome.budget {
         let i = part.parameter;
         let formal = found.covariance[i][i].sqrt() / found.repeat.as_ref().map_or(1.0, |r| r.factors[i]);
         formal_of[i] = formal;
+        part.blame(formal);
         if let Some(noise) = noise.as_ref().and_then(|noise| noise[i]) {
             part.wander = (formal * formal - noise * noise).max(0.0).sqrt().min(part.noise);
             part.noise = (part.noise.powi(2) - part.wander.powi(2)).max(0.0).sqrt();
@@ -56,7 +59,9 @@ pub(crate) fn calibrate(
         if let Some(repeat) = &found.repeat {
             part.linearisation = formal * repeat.moves[i].abs();
             let more = repeat.factors[i].powi(2) - 1.0 - repeat.moves[i].powi(2);
-            part.repeatability = formal * more.max(0.0).sqrt();
+            // scatter that the influences allow is in them already
+            let allowed: f64 = part.influences.iter().map(|(_, by)| by * by).sum();
+            part.repeatability = (formal * formal * more - allowed).max(0.0).sqrt();
             part.freedom.1 = repeat.freedom[i];
         }
     }
@@ -73,6 +78,7 @@ pub(crate) fn calibrate(
         row.iter_mut().zip(&factors).for_each(|(entry, factor)| *entry *= by * factor);
     }
     if let Some(repeat) = &mut found.repeat {
+        repeat.extend_to(outcome.parameters.len());
         for (i, parameter) in outcome.parameters.iter().enumerate().filter(|(i, _)| formal_of[*i] > 0.0) {
             repeat.factors[i] = parameter.sigma / formal_of[i];
         }

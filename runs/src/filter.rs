@@ -66,6 +66,11 @@ pub trait AnyFilter: Send + Sync {
         Vec::new()
     }
 
+    /// The filter that it was before states were added to be considered, where there is one: it estimates the same.
+    fn exact(&self) -> Option<&dyn AnyFilter> {
+        None
+    }
+
     /// Names of the blocks that were left out of it.
     fn without(&self) -> Vec<&'static str> {
         Vec::new()

@@ -126,6 +126,14 @@ impl Repeat {
         Some(repeat)
     }
 
+    /// The same with what stretches say nothing of: as many parameters as that.
+    pub(crate) fn extend_to(&mut self, parameters: usize) {
+        self.factors.resize(parameters, 1.0);
+        self.moves.resize(parameters, 0.0);
+        self.freedom.resize(parameters, f64::INFINITY);
+        self.halves.resize(parameters, None);
+    }
+
     /// Lets an outcome state the sigmas that repeat.
     pub(crate) fn apply(self, outcome: &mut Outcome) {
         for (parameter, factor) in outcome.parameters.iter_mut().zip(&self.factors) {

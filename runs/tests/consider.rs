@@ -37,7 +37,7 @@ fn sigmas_are_the_root_sum_of_squares_of_what_they_are_made_of() {
     let outcome = run(&*with, &simulation, &samples);
     assert!(plain.budget.is_empty() && outcome.budget.len() == plain.parameters.len());
     assert!(outcome.moved.is_some() && outcome.passes.len() == plain.passes.len());
-    let mut matters = 0;
+    let mut matters = Vec::new();
     for part in &outcome.budget {
         let (parameter, alone) = (&outcome.parameters[part.parameter], &plain.parameters[part.parameter]);
         assert_eq!(parameter.info.block, alone.info.block);
@@ -47,13 +47,16 @@ fn sigmas_are_the_root_sum_of_squares_of_what_they_are_made_of() {
         assert!((variance.sqrt() / parameter.sigma - 1.0).abs() < 1e-9, "{name}");
         assert!(part.influences.iter().map(|(name, _)| *name).eq(["clock-scale", "site-gravity"]), "{name}");
         assert!(parameter.sigma > 0.999 * alone.sigma, "{name}: considering makes nothing better known");
-        matters += usize::from(part.largest().is_some_and(|(_, by)| by > alone.sigma));
+        if part.largest().is_some_and(|(_, by)| by > 10.0 * alone.sigma) {
+            matters.push(name.clone());
+        }
         if part.repeatability == 0.0 {
             // nothing but what was stated grows the sigma, and that has no degrees of freedom
             assert!(part.degrees_of_freedom() > 1e3, "{name}");
         }
     }
-    assert_eq!(matters, 3, "gravity is in the three scale factors of the accelerometers");
+    // gravity is in the scale factors of the accelerometers, and hides what noise would leave of them
+    assert_eq!(matters, ["accel-scale x", "accel-scale y", "accel-scale z"]);
 }
 
 #[test]
