@@ -10,8 +10,11 @@ use crate::evaluate::Expected;
 const FLOOR: f64 = 0.566;
 /// A shorter path is asked for more by this power of the duration.
 const BY_TIME: f64 = 0.25;
-/// But never for less than this multiple of what noise alone leaves of an effect when all others are known.
+/// For less than what noise leaves of an effect when all others are known nobody asks, but for this multiple of it...
 const ABOVE_NOISE: f64 = 1.25;
+/// ...and for a larger one the further noise alone is above what would be asked for, by this power for each e-folding that the path is
+/// shorter: such an effect takes all the time that there is, and the others want theirs.
+const BOUND: f64 = 0.072;
 
 /// What is made small: the ratios of sigmas to those that are asked for, SI. Sigmas count by effect: that of its worst component.
 /// Effects that are not named do not count.
@@ -36,10 +39,12 @@ pub fn groups(expected: &Expected) -> Vec<Group> {
 impl Criterion {
     /// To be better than the path `reference` in `duration` seconds, as far as `noise` lets each effect be found.
     pub fn against(reference: &Expected, noise: &[Group], duration: f64) -> Self {
-        let part = FLOOR * (reference.duration / duration).powf(BY_TIME);
+        let shorter = (reference.duration / duration).ln();
+        let part = FLOOR * (BY_TIME * shorter).exp();
         let asked = |(name, sigma): Group| {
             let least = noise.iter().find(|(other, _)| *other == name).map_or(0.0, |(_, least)| *least);
-            (name, (part * sigma).max(ABOVE_NOISE * least))
+            let wanted = part * sigma;
+            (name, wanted.max(ABOVE_NOISE * least * (least / wanted).powf(BOUND * shorter)))
         };
         Self(groups(reference).into_iter().map(asked).collect())
     }
