@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use crate::chain::gross;
 use crate::error::{Error, Which};
 use crate::excite::parts;
 use crate::linear::{Noise, Recorded, run};
@@ -34,11 +35,13 @@ impl Wider {
         let before = self.clone();
         let mut any = false;
         for (column, estimate) in ran.recording.columns().iter().zip(&ran.estimate) {
-            if column.base || column.prior <= 0.0 || estimate.abs() <= BEYOND * column.prior {
+            let block = column.info.block;
+            // what is stated is wrong by no more than people are mistaken
+            let is_widest = column.base || column.prior <= 0.0 || gross(block).is_some();
+            if is_widest || estimate.abs() <= BEYOND * column.prior {
                 continue;
             }
             any = true;
-            let block = column.info.block;
             // of several components the largest counts
             let factor = self.factor(block).max(before.factor(block) * estimate.abs() / column.prior);
             self.0.retain(|w| w.0 != block);
