@@ -154,18 +154,28 @@ pub(super) fn read_uncertainty(doc: &mut Document<'_>, section: Section<'_>) -> 
     let mut stated = Vec::new();
     for (key, name) in UNCERTAINTIES {
         let Some(effect) = sinscal::effect(name) else { continue };
-        let sigma = doc.word(section, key, |text| {
-            let read = units::read(text, units::of_parameters(effect.unit()));
-            let sigma = read.map_err(|accepted| format!("is `{text}`, expected was {accepted}"))?;
-            if (PRIORS.0..=PRIORS.1).contains(&sigma) {
-                Ok(sigma)
-            } else {
-                Err(format!("is `{text}`: no filter can compute with this standard deviation"))
-            }
-        });
+        let sigma = read_standard_deviation(doc, section, key, effect.unit());
         stated.extend(sigma.map(|sigma| (name, sigma)));
     }
     stated
+}
+
+/// A text with a unit that `si` can be read in.
+pub(super) fn read_standard_deviation(
+    doc: &mut Document<'_>,
+    section: Section<'_>,
+    key: &str,
+    si: &str,
+) -> Option<f64> {
+    doc.word(section, key, |text| {
+        let read = units::read(text, units::of_parameters(si));
+        let sigma = read.map_err(|accepted| format!("is `{text}`, expected was {accepted}"))?;
+        if (PRIORS.0..=PRIORS.1).contains(&sigma) {
+            Ok(sigma)
+        } else {
+            Err(format!("is `{text}`: no filter can compute with this standard deviation"))
+        }
+    })
 }
 
 pub(super) fn read_priors(
