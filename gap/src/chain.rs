@@ -1,9 +1,9 @@
 //! The chain of measurement in a diagnosis: what a log states and may be wrong about.
 //!
-//! Of it only that is priced which a unit can show by itself: the pick-offs of the dither, the latitude, gravity, and thermometers that are
-//! late. To a unit near its place a wrong height and a wrong clock are a wrong gravity, and a thermometer's scale and offset are in
-//! the coefficients and constants that are estimated. The scale of a reference is not priced: the readings of a point that rests are noise,
-//! and noise goes with itself.
+//! Of it only that is priced which a unit can show by itself: the pick-offs of the dither, the latitude, thermometers that are late, and
+//! gravity where no scale of the accelerometers is estimated, which is the same. To a unit near its place a wrong height and a wrong
+//! clock are a wrong gravity, and a thermometer's scale and offset are in the coefficients and constants that are estimated. The scale of
+//! a reference is not priced: the readings of a point that rests are noise, and noise goes with itself.
 
 use core::f64::consts::FRAC_1_SQRT_2;
 
@@ -53,16 +53,21 @@ pub(crate) fn is_left_out(effect: &str, has: &dyn Fn(&str) -> bool, couples_dith
     if effect == ThermometerLag::NAME {
         return !COEFFICIENTS.iter().any(|(coefficient, _)| has(coefficient));
     }
+    if effect == SiteGravity::NAME {
+        return has(AccelScale::NAME);
+    }
     INFLUENCES.contains(&effect) && gross(effect).is_none()
 }
 
-/// What no run of a filter that `has` some blocks tells apart, whatever the path: pairs as a path's own, which are `shown`.
-pub(crate) fn by_construction(shown: &[Vec<String>], has: &dyn Fn(&str) -> bool) -> Vec<Vec<String>> {
+/// What no run of a filter that `has` some blocks tells apart, whatever the path: the second hides the first.
+pub(crate) fn by_construction(has: &dyn Fn(&str) -> bool) -> Vec<Vec<String>> {
     let pair = |a: &str, b: &str| vec![a.to_owned(), b.to_owned()];
-    let mut pairs = Vec::new();
-    for hidden in shown.iter().filter(|pair| pair[0] == SiteGravity::NAME) {
-        pairs.extend([SiteHeight::NAME, ClockScale::NAME].map(|twin| pair(twin, &hidden[1])));
-    }
+    let twins = [SiteHeight::NAME, ClockScale::NAME];
+    let mut pairs = if has(AccelScale::NAME) {
+        [SiteGravity::NAME].into_iter().chain(twins).map(|name| pair(name, AccelScale::NAME)).collect()
+    } else {
+        twins.map(|name| pair(name, SiteGravity::NAME)).to_vec()
+    };
     for (coefficient, constant) in COEFFICIENTS.into_iter().filter(|(coefficient, _)| has(coefficient)) {
         pairs.push(pair(ThermometerScale::NAME, coefficient));
         if has(constant) {
@@ -132,29 +137,28 @@ mod tests {
 
     #[test]
     fn only_what_a_unit_can_show_is_priced() {
-        let all = |_: &str| true;
-        let priced: Vec<&str> =
-            INFLUENCES.iter().copied().filter(|name| !is_left_out(name, &all, true)).collect();
-        assert_eq!(priced, ["site-latitude", "site-gravity", "thermometer-lag", "dither-scale"]);
-        let nothing = |_: &str| false;
-        assert!(
-            is_left_out("thermometer-lag", &nothing, true) && is_left_out("dither-scale", &nothing, true)
-        );
-        assert!(is_left_out("dither-scale", &all, false) && !is_left_out("accel-scale", &nothing, false));
+        let priced = |has: &dyn Fn(&str) -> bool, couples: bool| -> Vec<&str> {
+            INFLUENCES.iter().copied().filter(|name| !is_left_out(name, has, couples)).collect()
+        };
+        assert_eq!(priced(&|_| true, true), ["site-latitude", "thermometer-lag", "dither-scale"]);
+        assert_eq!(priced(&|_| true, false), ["site-latitude", "thermometer-lag"]);
+        assert_eq!(priced(&|_| false, true), ["site-latitude", "site-gravity"]);
+        assert!(!is_left_out("accel-scale", &|_| false, false));
     }
 
     #[test]
-    fn what_gravity_hides_behind_hides_height_and_clock() {
-        let has = |name: &str| ["accel-scale", "accel-temperature-scale"].contains(&name);
+    fn height_and_clock_hide_where_gravity_does() {
         let pair = |a: &str, b: &str| vec![a.to_owned(), b.to_owned()];
-        let shown = [pair("site-gravity", "accel-scale"), pair("accel-cubic", "accel-quadratic")];
+        let has = |name: &str| ["accel-scale", "accel-temperature-scale"].contains(&name);
         let all = [
+            pair("site-gravity", "accel-scale"),
             pair("site-height", "accel-scale"),
             pair("clock-scale", "accel-scale"),
             pair("thermometer-scale", "accel-temperature-scale"),
             pair("thermometer-offset", "accel-scale"),
         ];
-        assert_eq!(by_construction(&shown, &has), all);
-        assert_eq!(by_construction(&shown[1..], &|_| false), Vec::<Vec<String>>::new());
+        assert_eq!(by_construction(&has), all);
+        let without = [pair("site-height", "site-gravity"), pair("clock-scale", "site-gravity")];
+        assert_eq!(by_construction(&|_| false), without);
     }
 }

@@ -193,8 +193,7 @@ fn report(
             indistinct.push(vec![pair.effect.clone(), pair.other.clone()]);
         }
     }
-    let unshown = by_construction(&indistinct, &|name| machine.has(name));
-    indistinct.extend(unshown);
+    indistinct.extend(by_construction(&|name| machine.has(name)));
     let mut next_run: Vec<String> = pairs.iter().filter_map(|p| say::advice(&p.effect, &p.other)).collect();
     if let Some((_, blamed)) = &decision.degenerate
         && let [one, other] = names(blamed).as_slice()
