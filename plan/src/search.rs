@@ -43,9 +43,9 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// Evaluations of paths of `duration` seconds in a minute and a half on two cores: long paths take longer. It depends on no clock.
+    /// Evaluations of paths of `duration` seconds in a minute or two on two cores: long paths take longer. It depends on no clock.
     pub fn usual(duration: f64) -> usize {
-        (24_000.0 * (3600.0 / duration).sqrt()).clamp(6_000.0, 72_000.0) as usize
+        (20_000.0 * (3600.0 / duration).sqrt()).clamp(5_000.0, 60_000.0) as usize
     }
 }
 

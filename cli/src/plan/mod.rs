@@ -74,7 +74,7 @@ pub(crate) struct Arguments {
     /// Compare with paths of the literature in the same time
     #[arg(long, requires = "duration")]
     known: bool,
-    /// Number of paths that are tried, with --target in each duration; without, what takes a minute or two: 48 000 of a quarter of
+    /// Number of paths that are tried, with --target in each duration; without, what takes a minute or two: 40 000 of a quarter of
     /// an hour, half as many of an hour
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=10_000_000))]
     evaluations: Option<u32>,
