@@ -18,17 +18,25 @@ pub(super) fn verdict(found: &Found) -> String {
                 .components
                 .iter()
                 .find(|component| sensor.naming(component.process.kind).kind == "white");
-            white.map_or("-".to_owned(), |white| {
+            white.map(|white| {
                 let (_, size) = sensor.naming(white.process.kind).sheet;
                 significant(white.process.size / size)
             })
         });
-        sizes.collect::<Vec<_>>().join(" ")
+        let sizes: Vec<Option<String>> = sizes.collect();
+        sizes.iter().any(Option::is_some).then(|| {
+            let all = sizes.into_iter().map(|size| size.unwrap_or_else(|| "-".to_owned()));
+            all.collect::<Vec<_>>().join(" ")
+        })
+    };
+    let said = |of: usize, name: &str, unit: &str| match white(of) {
+        Some(sizes) => format!("{name} {sizes} {unit} (x y z)"),
+        None => format!("no {name}"),
     };
     format!(
-        "Angle random walk {} deg/sqrt(h), velocity random walk {} ug/sqrt(Hz) (x y z), from {:.1} s of rest",
-        white(0),
-        white(1),
+        "White noise: {}, {}, from {:.1} s of rest",
+        said(0, "angle random walk", "deg/sqrt(h)"),
+        said(1, "velocity random walk", "ug/sqrt(Hz)"),
         found.duration()
     )
 }
