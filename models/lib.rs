@@ -164,7 +164,7 @@ pub use blocks::{
     GyroRateNonlinearity, GyroScale, GyroScaleAsymmetry, GyroTemperatureBias, InnerLeverArm,
     InnerLeverArmTangential, Open, OpenBlocks, OpenError, OuterLeverArm, Position, ReferenceDelay,
     ReferenceMisalignment, ReferenceScale, ReferenceTilt, SiteGravity, SiteHeight, SiteLatitude,
-    ThermometerLag, ThermometerOffset, ThermometerScale, Velocity,
+    TableOrthogonality, ThermometerLag, ThermometerOffset, ThermometerScale, Velocity,
 };
 #[doc(hidden)]
 pub use calib_core;

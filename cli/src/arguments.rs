@@ -180,8 +180,8 @@ pub(crate) fn uncertain(
     let own = filter.blocks();
     let lacks = |name: &&'static str| own.iter().all(|leaf| leaf.name != *name);
     let is_stated = |name: &&'static str| stated.iter().any(|(stated, _)| stated == name);
-    let assumed: Vec<_> =
-        sinscal::INFLUENCES.iter().copied().filter(|name| all && lacks(name) && !is_stated(name)).collect();
+    let every = if all { runs::influences(&**filter) } else { Vec::new() };
+    let assumed: Vec<_> = every.into_iter().filter(|name| !is_stated(name)).collect();
     let names: Vec<_> = stated.iter().map(|(name, _)| *name).filter(lacks).chain(assumed.clone()).collect();
     Ok((considering(filter, &names)?, assumed))
 }

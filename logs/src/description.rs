@@ -35,8 +35,7 @@ use super::fault::LogError;
 use super::fields::{Document, Must};
 use super::reading::Reading;
 use super::sections::{
-    read_initial, read_noise, read_priors, read_reading, read_site, read_standard_deviation,
-    read_uncertainty, samples,
+    read_initial, read_noise, read_priors, read_reading, read_site, read_uncertainty, samples,
 };
 
 /// Descriptions are small; what is larger is some other file.
@@ -79,7 +78,7 @@ const SECTIONS: &[&str] = &[
 ];
 
 /// What `[uncertainty]` may state, and the effect whose standard deviation it is.
-pub(super) const UNCERTAINTIES: [(&str, &str); 10] = [
+pub(super) const UNCERTAINTIES: [(&str, &str); 11] = [
     ("latitude", "site-latitude"),
     ("height", "site-height"),
     ("gravity", "site-gravity"),
@@ -90,11 +89,8 @@ pub(super) const UNCERTAINTIES: [(&str, &str); 10] = [
     ("dither_scale", "dither-scale"),
     ("reference_delay", "reference-delay"),
     ("reference_scale", "reference-scale"),
+    ("table_orthogonality", "table-orthogonality"),
 ];
-
-/// By how much the attitudes that a table tells are off because its axes are not square: another error of each reading, for it changes with
-/// the attitude.
-const TABLE: &str = "table_orthogonality";
 
 /// What the reference of a log is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -284,7 +280,7 @@ impl Description {
             section.and_then(|section| doc.optional(section, "offset_s", Must::BeFinite)).unwrap_or(0.0);
         let fixes = section.and_then(|section| doc.numbers(section, "accept_fix"));
         let reading = read_reading(doc, root, values);
-        let mut reference = ReferenceSigma {
+        let reference = ReferenceSigma {
             velocity: given[0].unwrap_or(0.001),
             position: given[1].unwrap_or(0.002),
             attitude: given[2].unwrap_or(0.01) * units::DEGREE,
@@ -318,12 +314,9 @@ impl Description {
             Some(section) => read_priors(doc, section, own),
             None => Vec::new(),
         };
-        let mut keys = UNCERTAINTIES.map(|(key, _)| key).to_vec();
-        keys.push(TABLE);
+        let keys = UNCERTAINTIES.map(|(key, _)| key);
         let section = doc.section(root, "uncertainty", Some(&keys));
         let uncertainty = section.map_or_else(Vec::new, |section| read_uncertainty(doc, section));
-        let crooked = section.and_then(|section| read_standard_deviation(doc, section, TABLE, "rad"));
-        reference.attitude = reference.attitude.hypot(crooked.unwrap_or(0.0));
         let priors: Vec<_> = uncertainty
             .iter()
             .filter(|(name, _)| priors.iter().all(|(stated, _)| stated != name))

@@ -161,12 +161,7 @@ pub(super) fn read_uncertainty(doc: &mut Document<'_>, section: Section<'_>) -> 
 }
 
 /// A text with a unit that `si` can be read in.
-pub(super) fn read_standard_deviation(
-    doc: &mut Document<'_>,
-    section: Section<'_>,
-    key: &str,
-    si: &str,
-) -> Option<f64> {
+fn read_standard_deviation(doc: &mut Document<'_>, section: Section<'_>, key: &str, si: &str) -> Option<f64> {
     doc.word(section, key, |text| {
         let read = units::read(text, units::of_parameters(si));
         let sigma = read.map_err(|accepted| format!("is `{text}`, expected was {accepted}"))?;

@@ -75,6 +75,7 @@ catalogue! {
         ThermometerOffset,
         DitherScale,
         ReferenceScale,
+        TableOrthogonality,
     }
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use rig::{Scenario, Simulation};
 use sinscal::prelude::*;
-use sinscal::{Calibration, Setup, Sins43B};
+use sinscal::{Calibration, Filter, Setup, Sins43B, Sizes, Strapdown, Tracked35};
 
 /// `43d-b` that takes what is not the unit's for what it may be.
 #[derive(StateBlocks)]
@@ -29,8 +29,30 @@ struct Considering {
     dither: DitherScale,
 }
 
-/// Effects and standard deviations, SI and as a scenario has them.
-const OFF: [(&str, f64, &str); 8] = [
+/// `tracked-35d` on a table whose axes may not be square.
+#[derive(StateBlocks)]
+#[filter(name = "tracked-35d-considering")]
+struct OnTable {
+    #[base]
+    sins: Tracked35,
+    #[consider]
+    table: TableOrthogonality,
+}
+
+/// The same, estimating it.
+#[derive(StateBlocks)]
+#[filter(name = "tracked-35d-estimating")]
+struct OfTable {
+    #[base]
+    sins: Tracked35,
+    table: TableOrthogonality,
+}
+
+/// An effect and its standard deviation, SI and as a scenario has it.
+type Off = (&'static str, f64, &'static str);
+
+/// What may be off for a unit on a table.
+const OFF: [Off; 8] = [
     ("clock-scale", 2e-5, "20 ppm"),
     ("site-latitude", 3e-4, "3e-4 rad"),
     ("site-height", 20.0, "20 m"),
@@ -41,25 +63,31 @@ const OFF: [(&str, f64, &str); 8] = [
     ("dither-scale", 0.05, "5 %"),
 ];
 
-/// Mean squares of the errors of what is estimated, in standard deviations, NEES of each degree of freedom, and how much larger the largest
-/// sigma is than without considering.
-fn consider(
-    off: &[(&'static str, f64, &str)],
+/// Of units of `base` for which some of what may be off is, and a filter `C` that knows: mean squares of the errors of what is estimated, in
+/// standard deviations, NEES of each degree of freedom, and how much larger the largest sigma is than without considering.
+fn consider<B, C>(
+    base: &str,
+    may_be: &[Off],
+    off: &[Off],
     units: u64,
-) -> Result<(Vec<f64>, f64, f64), Box<dyn std::error::Error>> {
-    let mut scenario = Scenario::default().with_rate(10.0)?.modelled_by::<Sins43B>();
+) -> Result<(Vec<f64>, f64, f64), Box<dyn std::error::Error>>
+where
+    B: Filter<Dynamics = Strapdown, Shape: Sizes>,
+    C: Filter<Dynamics = Strapdown, Shape: Sizes>,
+{
+    let mut scenario = Scenario::parse(base)?.with_rate(10.0)?.modelled_by::<B>();
     (scenario.motion.still, scenario.motion.dwell) = (60.0, 30.0);
     let kept: Vec<&str> = {
         let mut names = Vec::new();
-        Sins43B::states(&mut |info| names.push(info.block));
+        B::states(&mut |info| names.push(info.block));
         names
     };
-    let one = |(name, _, size): &(&str, f64, &str)| format!("{name} = \"{size}\"\n");
+    let one = |(name, _, size): &Off| format!("{name} = \"{size}\"\n");
     let drawn = Scenario::parse(&format!("[population]\n{}", off.iter().map(one).collect::<String>()))?;
     scenario.population.extend(drawn.population);
     // what is not off is exact
     let size = |name: &str| off.iter().find(|(other, _, _)| *other == name).map_or(0.0, |(_, size, _)| *size);
-    let priors: Vec<(&str, f64)> = OFF.iter().map(|(name, _, _)| (*name, size(name))).collect();
+    let priors: Vec<(&str, f64)> = may_be.iter().map(|(name, _, _)| (*name, size(name))).collect();
     let (mut squares, mut nees, mut larger) = (Vec::new(), 0.0, 0.0_f64);
     for seed in 1..=units {
         let mut simulation = Simulation::new(&scenario, seed)?;
@@ -67,7 +95,7 @@ fn consider(
         let samples: Vec<_> = simulation.by_ref().collect();
         let run = |priors: &[(&str, f64)]| -> Result<_, Box<dyn std::error::Error>> {
             let setup: Setup = description.setup(priors);
-            let mut run = Box::new(Calibration::<Considering>::new(&setup)?);
+            let mut run = Box::new(Calibration::<C>::new(&setup)?);
             for pass in 0..3 {
                 if pass > 0 {
                     run.begin_pass();
@@ -85,7 +113,7 @@ fn consider(
             });
             Ok((errors, sigmas, run.covariance()))
         };
-        let exact: Vec<(&str, f64)> = OFF.iter().map(|(name, _, _)| (*name, 0.0)).collect();
+        let exact: Vec<(&str, f64)> = may_be.iter().map(|(name, _, _)| (*name, 0.0)).collect();
         let (errors, sigmas, p) = run(&priors)?;
         if seed == 1 {
             let alone = run(&exact)?.1;
@@ -103,7 +131,7 @@ fn consider(
 
 #[test]
 fn errors_are_as_large_as_stated_where_the_chain_is_off() -> Result<(), Box<dyn std::error::Error>> {
-    let (squares, nees, larger) = consider(&OFF, 2)?;
+    let (squares, nees, larger) = consider::<Sins43B, Considering>("", &OFF, &OFF, 2)?;
     println!("NEES {nees:.3} of each degree of freedom, sigmas larger by up to {larger:.1}, {squares:.1?}");
     // 68 squares: 0.53 to 1.65 in 999 cases of 1000
     assert!((0.53..1.65).contains(&nees), "{nees}");
@@ -117,10 +145,30 @@ fn errors_are_as_large_as_stated_where_the_chain_is_off() -> Result<(), Box<dyn 
 #[ignore = "minutes"]
 fn each_alone_is_known() -> Result<(), Box<dyn std::error::Error>> {
     for off in OFF {
-        let (squares, nees, larger) = consider(&[off], 10)?;
+        let (squares, nees, larger) = consider::<Sins43B, Considering>("", &OFF, &[off], 10)?;
         let worst = squares.iter().fold(0.0_f64, |worst, square| worst.max(*square));
         println!("{off:?}: NEES {nees:.3}, worst {worst:.2}, sigmas larger by up to {larger:.1}");
         assert!((0.7..1.3).contains(&nees), "{off:?}: {nees}");
     }
+    Ok(())
+}
+
+/// A unit whose attitude a table reports: what tracked units may have wrong, but nothing that the table shows as well.
+const TABLE: &str = "[reference]\nattitude = true\n[population]\ngyro-scale = \"500 ppm\"\ngyro-misalignment = \"1 mrad\"\n\
+    gyro-bias = \"1 deg/h\"\naccel-scale = \"500 ppm\"\naccel-misalignment = \"1 mrad\"\naccel-bias = \"1 mg\"\n\
+    reference-misalignment = \"2 mrad\"\nreference-tilt = \"0.2 mrad\"\n[gyro]\nrandom_walk = \"0.05 deg/sqrt(h)\"\n\
+    quantum = \"0 arcsec\"\n[accelerometer]\nrandom_walk = \"50 ug/sqrt(Hz)\"";
+
+#[test]
+fn a_table_that_is_not_square_is_considered_or_found() -> Result<(), Box<dyn std::error::Error>> {
+    let off = [("table-orthogonality", 1e-3, "1 mrad")];
+    let (squares, nees, larger) = consider::<Tracked35, OnTable>(TABLE, &off, &off, 4)?;
+    println!("considered: NEES {nees:.3}, sigmas larger by up to {larger:.1}, {squares:.1?}");
+    // 104 squares: 0.61 to 1.50 in 999 cases of 1000
+    assert!((0.61..1.50).contains(&nees), "{nees}");
+    assert!(larger > 3.0, "it does not matter: {larger}");
+    let (squares, nees, _) = consider::<OfTable, OfTable>(TABLE, &off, &off, 4)?;
+    println!("estimated: NEES {nees:.3}, {squares:.1?}");
+    assert!((0.61..1.50).contains(&nees), "{nees}");
     Ok(())
 }

@@ -50,6 +50,14 @@ impl Budget {
         }
     }
 
+    /// Takes in the variance by which stretches of the log differ beyond their noise, with its degrees of freedom: what the influences allow
+    /// of it is in them already.
+    pub(crate) fn scatter(&mut self, variance: f64, freedom: f64) {
+        let allowed: f64 = self.influences.iter().map(|(_, part)| part * part).sum();
+        self.repeatability = (variance - allowed).max(0.0).sqrt();
+        self.freedom.1 = freedom;
+    }
+
     /// The largest of the influences.
     pub fn largest(&self) -> Option<(&'static str, f64)> {
         self.influences.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a })
@@ -109,5 +117,21 @@ mod tests {
         let mut less = before.clone();
         less.blame(14.0);
         assert_eq!(less, before);
+    }
+
+    #[test]
+    fn scatter_that_influences_allow_is_counted_once() {
+        let influences = vec![("clock-scale", 3.0), ("site-gravity", 4.0)];
+        let before = Budget { noise: 1.0, influences, freedom: (100.0, f64::INFINITY), ..Budget::default() };
+        let mut within = before.clone();
+        within.scatter(24.0, 5.0);
+        assert_eq!((within.repeatability, within.combined()), (0.0, before.combined()));
+        let mut beyond = before.clone();
+        beyond.scatter(25.0 + 144.0, 5.0);
+        assert!((beyond.repeatability - 12.0).abs() < 1e-12);
+        // 1 + 9 + 16 + 144, of which 1 has a hundred degrees of freedom and 144 have five
+        assert!((beyond.combined().powi(2) - 170.0).abs() < 1e-9);
+        let expected = 170.0_f64.powi(2) / (1.0 / 100.0 + 144.0_f64.powi(2) / 5.0);
+        assert!((beyond.degrees_of_freedom() / expected - 1.0).abs() < 1e-12);
     }
 }

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use calib_core::Block;
-use sinscal::{AccelBiasWander, GyroBiasWander, INFLUENCES, Setup, any_effect};
+use sinscal::{AccelBiasWander, GyroBiasWander, INFLUENCES, Setup, TableOrthogonality, any_effect};
 
 use crate::budget::{Budget, budget};
 use crate::compose::{Composition, considering};
@@ -21,6 +21,14 @@ use crate::{Error, settle};
 
 /// The wander of the biases, as effects.
 const WANDER: [&str; 2] = [GyroBiasWander::NAME, AccelBiasWander::NAME];
+
+/// The influences of the chain of measurement that `filter` lacks and that stand behind every log. That a table tells the attitudes is known
+/// only where somebody says how far from square it is.
+pub fn influences(filter: &dyn AnyFilter) -> Vec<&'static str> {
+    let own = filter.blocks();
+    let lacks = |name: &&str| own.iter().all(|leaf| leaf.name != *name);
+    INFLUENCES.iter().copied().filter(lacks).filter(|name| *name != TableOrthogonality::NAME).collect()
+}
 
 /// Names of the blocks of a filter by which its biases wander.
 fn wander(filter: &dyn AnyFilter) -> Vec<&'static str> {
@@ -59,10 +67,7 @@ pub(crate) fn calibrate(
         if let Some(repeat) = &found.repeat {
             part.linearisation = formal * repeat.moves[i].abs();
             let more = repeat.factors[i].powi(2) - 1.0 - repeat.moves[i].powi(2);
-            // scatter that the influences allow is in them already
-            let allowed: f64 = part.influences.iter().map(|(_, by)| by * by).sum();
-            part.repeatability = (formal * formal * more - allowed).max(0.0).sqrt();
-            part.freedom.1 = repeat.freedom[i];
+            part.scatter(formal * formal * more, repeat.freedom[i]);
         }
     }
     let mut factors = vec![1.0; outcome.parameters.len()];
@@ -179,11 +184,9 @@ pub fn exact(
     options: &Options,
     found: &Outcome,
 ) -> Result<Option<Exact>, Error> {
-    let own = filter.blocks();
-    let lacks = |name: &&str| own.iter().all(|leaf| leaf.name != *name);
     let steady = wander(&**filter).is_empty();
     let wander = WANDER.iter().copied().filter(|_| steady);
-    let names: Vec<&str> = INFLUENCES.iter().copied().filter(lacks).chain(wander).collect();
+    let names: Vec<&str> = influences(&**filter).into_iter().chain(wander).collect();
     let effects: Vec<_> = names.iter().filter_map(|name| any_effect(name)).collect();
     let Ok(doubting) = considering(filter, &effects) else { return Ok(None) };
     let quick = Options { smooth: false, residuals: false, ..options.clone() };

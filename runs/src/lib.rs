@@ -53,7 +53,7 @@ pub use budget::Budget;
 pub use channels::Channels;
 pub use compiled::{About, Compiled, Selection};
 pub use compose::{ComposeError, Composition, considering, wandering};
-pub use consider::{Exact, exact};
+pub use consider::{Exact, exact, influences};
 pub use driver::{Watch, calibrate, calibrate_all};
 pub use error::Error;
 pub use filter::{AnyFilter, Declared, Leaf, Pool};

@@ -58,6 +58,24 @@ pub(crate) fn residuals(name: &str, at: &Point<f64>, delta: &[f64]) -> Vec<f64> 
             let ((v, p), (v_ref, p_ref)) = (scaled(s - delta[0]), scaled(s));
             stack(v - v_ref, p - p_ref, none)
         }
+        "table-orthogonality" => {
+            // the angles of a table whose outer axis stands along up and whose inner one is the unit's x
+            let inner = c * Vector3::x();
+            let (heading, pitch) = (inner.y.atan2(inner.x), (-inner.z).asin());
+            let about = |axis, angle| Rotation3::from_axis_angle(&axis, angle);
+            let (outer, middle) = (about(Vector3::z_axis(), heading), about(Vector3::y_axis(), pitch));
+            let square = outer * middle;
+            let of_unit = square.inverse() * c;
+            // m = o x i has the length of the cosine of the pitch
+            let crooked = |[om, mi]: [f64; 2]| {
+                let tilt = about(-Vector3::x_axis(), om * pitch.cos());
+                let turn = about(-Vector3::z_axis(), mi * pitch.cos());
+                outer * tilt * middle * turn * of_unit
+            };
+            // what is told with angles that are `delta` less, where the true ones are none
+            let told = square * of_unit * crooked([-delta[0], -delta[1]]).inverse() * c;
+            stack(none, none, attitude_residual(&told, &c))
+        }
         _ => vec![0.0; 9],
     }
 }

@@ -80,7 +80,8 @@ pub(crate) fn error(name: &str, s: &Signals<f64>, p: &[f64]) -> Vec<f64> {
         | "outer-lever-arm"
         | "reference-delay"
         | "reference-misalignment"
-        | "reference-tilt" => (none, none),
+        | "reference-tilt"
+        | "table-orthogonality" => (none, none),
         _ => panic!("no model of {name}"),
     };
     gyros.iter().chain(&accelerometers).copied().collect()

@@ -152,7 +152,8 @@ pub(super) fn section(outcome: &Outcome) -> Option<Section> {
         row
     };
     let caption = "Combined standard uncertainty u and expanded uncertainty U = 2 u, and the largest shares of the variance: noise, wander and \
-                   repeatability were observed (type A), the others are what was stated, times the sensitivity of the estimate (type B).";
+                   repeatability were observed (type A), the others are what was stated, times the sensitivity of the estimate, with the \
+                   noise of the readings that these make it lean on (type B).";
     let head = ["parameter", "u", "U", "unit", "largest", "second", "third"];
     let table = Table::new(caption, &head, estimated(outcome).map(row).collect()).drawn_as("budget");
     Some(Section::new("Uncertainty budget", vec![table.into()]))
