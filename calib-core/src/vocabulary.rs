@@ -1,7 +1,6 @@
 //! Which blocks a declaration is made of: by name at compile time, by type at run time.
 
 use core::any::TypeId;
-use core::marker::PhantomData;
 
 use crate::declare::Part;
 use crate::{Block, Dynamics, Real, Relaxation};
@@ -76,14 +75,21 @@ pub fn considered_in<F: Block>(mut visit: impl FnMut(usize)) {
 }
 
 /// The states of declaration `F` that are not constant: `put(state, relaxation)`.
-#[inline(always)]
-pub fn relaxations<F: Block, T: Real>(put: impl FnMut(usize, Relaxation<T>)) {
-    F::blocks(0, &mut Relaxations(put, PhantomData));
+#[inline]
+pub fn relaxations<F: Block, T: Real>(mut put: impl FnMut(usize, Relaxation<T>)) {
+    if const { relaxes::<F>() } {
+        visit_relaxing::<F, T>(&mut put);
+    }
 }
 
-struct Relaxations<P, T>(P, PhantomData<T>);
+/// Compiled once, whatever is done with the states.
+fn visit_relaxing<F: Block, T: Real>(put: &mut dyn FnMut(usize, Relaxation<T>)) {
+    F::blocks(0, &mut Relaxations(put));
+}
 
-impl<D: Dynamics, T: Real, P: FnMut(usize, Relaxation<T>)> BlockVisitor<D> for Relaxations<P, T> {
+struct Relaxations<'a, T>(&'a mut dyn FnMut(usize, Relaxation<T>));
+
+impl<D: Dynamics, T: Real> BlockVisitor<D> for Relaxations<'_, T> {
     #[inline(always)]
     fn visit<B: Block<Dynamics = D>>(&mut self, first: usize) {
         for (state, Relaxation { rate, density }) in B::RELAXATIONS {

@@ -201,8 +201,18 @@ impl Files {
         path: &Path,
         fill: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     ) -> Result<()> {
+        let mut fill = Some(fill);
+        self.write_by(path, &mut |stream| fill.take().map_or(Ok(()), |fill| fill(stream)))
+    }
+
+    /// Compiled once, whatever fills the file.
+    fn write_by(
+        &mut self,
+        path: &Path,
+        fill: &mut dyn FnMut(&mut (dyn Write + Send)) -> io::Result<()>,
+    ) -> Result<()> {
         self.sources.check(path)?;
-        let through = |stream: &mut (dyn Write + Send)| {
+        let mut through = |stream: &mut (dyn Write + Send)| {
             fill(stream).and_then(|()| stream.flush()).map_err(|error| failed(path, &error))
         };
         let place = match Place::of(path).map_err(|error| failed(path, &error))? {

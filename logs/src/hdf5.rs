@@ -49,21 +49,71 @@ impl Hdf5 {
 impl Arrays for Hdf5 {
     fn read(&mut self, index: usize, each: &mut dyn FnMut(f64) -> bool) -> Result<(), String> {
         let dataset = self.datasets.get(index).and_then(Option::as_ref).ok_or("it is not there")?;
-        guarded(|| match dataset.dtype() {
-            Datatype::FloatingPoint { size: 8, .. } => numbers::<f64>(dataset, each, |value| value),
-            Datatype::FloatingPoint { size: 4, .. } => numbers::<f32>(dataset, each, f64::from),
-            Datatype::FixedPoint { size: 8, signed: true, .. } => {
-                numbers::<i64>(dataset, each, |value| value as f64)
-            }
-            Datatype::FixedPoint { size: 4, signed: true, .. } => numbers::<i32>(dataset, each, f64::from),
-            Datatype::FixedPoint { size: 2, signed: true, .. } => numbers::<i16>(dataset, each, f64::from),
-            Datatype::FixedPoint { size: 1, signed: true, .. } => numbers::<i8>(dataset, each, f64::from),
-            Datatype::FixedPoint { size: 8, .. } => numbers::<u64>(dataset, each, |value| value as f64),
-            Datatype::FixedPoint { size: 4, .. } => numbers::<u32>(dataset, each, f64::from),
-            Datatype::FixedPoint { size: 2, .. } => numbers::<u16>(dataset, each, f64::from),
-            Datatype::FixedPoint { size: 1, .. } => numbers::<u8>(dataset, each, f64::from),
-            _ => Err("it holds no plain numbers".into()),
-        })
+        guarded(|| numbers(dataset, each))
+    }
+}
+
+/// A number of whatever type the file has. One type, so that what reads a dataset is compiled once and not for each of ten.
+#[derive(Clone, Copy)]
+struct Number(f64);
+
+/// `with_kind!(datatype, Kind => of_kind, unknown)`: evaluates `of_kind` with `Kind` the type of number that a file means.
+macro_rules! with_kind {
+    ($datatype:expr, $kind:ident => $call:expr, $unknown:expr) => {{
+        macro_rules! of {
+            ($number:ty) => {{
+                type $kind = $number;
+                $call
+            }};
+        }
+        match $datatype {
+            Datatype::FloatingPoint { size: 8, .. } => of!(f64),
+            Datatype::FloatingPoint { size: 4, .. } => of!(f32),
+            Datatype::FixedPoint { size: 8, signed: true, .. } => of!(i64),
+            Datatype::FixedPoint { size: 4, signed: true, .. } => of!(i32),
+            Datatype::FixedPoint { size: 2, signed: true, .. } => of!(i16),
+            Datatype::FixedPoint { size: 1, signed: true, .. } => of!(i8),
+            Datatype::FixedPoint { size: 8, .. } => of!(u64),
+            Datatype::FixedPoint { size: 4, .. } => of!(u32),
+            Datatype::FixedPoint { size: 2, .. } => of!(u16),
+            Datatype::FixedPoint { size: 1, .. } => of!(u8),
+            _ => $unknown,
+        }
+    }};
+}
+
+impl H5Type for Number {
+    fn hdf5_type() -> Datatype {
+        f64::hdf5_type()
+    }
+
+    fn from_bytes(bytes: &[u8], datatype: &Datatype) -> Result<Self, hdf5_reader::error::Error> {
+        let number = with_kind!(
+            datatype,
+            Kind => Kind::from_bytes(bytes, datatype)? as f64,
+            // which says what it is
+            f64::from_bytes(bytes, datatype)?
+        );
+        Ok(Self(number))
+    }
+
+    fn element_size(datatype: &Datatype) -> usize {
+        with_kind!(datatype, Kind => Kind::element_size(datatype), size_of::<f64>())
+    }
+
+    fn decode_vec(
+        raw: &[u8],
+        datatype: &Datatype,
+        count: usize,
+    ) -> Option<Result<Vec<Self>, hdf5_reader::error::Error>> {
+        with_kind!(
+            datatype,
+            Kind => {
+                let decoded = Kind::decode_vec(raw, datatype, count)?;
+                Some(decoded.map(|numbers| numbers.into_iter().map(|number| Self(number as f64)).collect()))
+            },
+            None
+        )
     }
 }
 
@@ -74,14 +124,13 @@ fn is_foreign(problem: &str) -> bool {
 }
 
 /// Hands over the numbers of a dataset, piece by piece along its slowest side.
-fn numbers<T: H5Type>(
-    dataset: &Dataset,
-    each: &mut dyn FnMut(f64) -> bool,
-    number: fn(T) -> f64,
-) -> Result<(), String> {
+fn numbers(dataset: &Dataset, each: &mut dyn FnMut(f64) -> bool) -> Result<(), String> {
+    if with_kind!(dataset.dtype(), Kind => size_of::<Kind>(), 0) == 0 {
+        return Err("it holds no plain numbers".into());
+    }
     let Some((rows, inner)) = dataset.shape().split_first() else {
-        let array = dataset.read_array::<T>().map_err(|error| error.to_string())?;
-        let _ = array.into_iter().map(number).all(each);
+        let array = dataset.read_array::<Number>().map_err(|error| error.to_string())?;
+        let _ = array.into_iter().all(|number| each(number.0));
         return Ok(());
     };
     let width = inner.iter().product::<u64>().max(1);
@@ -100,8 +149,8 @@ fn numbers<T: H5Type>(
         let mut selections = vec![SliceInfoElem::Slice { start, end, step: 1 }];
         selections.extend(inner.iter().map(all));
         let slice = SliceInfo { selections };
-        let array = dataset.read_slice::<T>(&slice).map_err(|error| error.to_string())?;
-        if !array.into_iter().map(number).all(&mut *each) {
+        let array = dataset.read_slice::<Number>(&slice).map_err(|error| error.to_string())?;
+        if !array.into_iter().all(|number| each(number.0)) {
             break;
         }
         start = end;

@@ -17,7 +17,7 @@ pub(crate) struct Beginning<F: Filter> {
 
 impl<F: Filter<Dynamics = Strapdown>> Beginning<F> {
     /// Of a setup and, where it names none, of the blocks; standard deviations of parameters go through `adjust(state, info, sigma)`.
-    pub(crate) fn new(setup: &Setup, mut adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
+    pub(crate) fn new(setup: &Setup, adjust: &mut dyn FnMut(usize, &StateInfo, f64) -> f64) -> Self {
         let blocks = setup.open;
         let mut prior = F::Shape::vector(0.0);
         let mut relaxing = relaxing::<F, f64>();

@@ -134,7 +134,12 @@ impl<F: Filter<Dynamics = Strapdown>, C: Form> Calibration<F, C> {
     ///
     /// # Panics
     /// When a block contradicts itself: the message is the [`Fault`](crate::Fault) that [`probe`](crate::probe()) returns.
-    pub fn with_prior(setup: &Setup, adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
+    pub fn with_prior(setup: &Setup, mut adjust: impl FnMut(usize, &StateInfo, f64) -> f64) -> Self {
+        Self::adjusted(setup, &mut adjust)
+    }
+
+    /// Compiled once, whatever adjusts the priors.
+    fn adjusted(setup: &Setup, adjust: &mut dyn FnMut(usize, &StateInfo, f64) -> f64) -> Self {
         if let Err(fault) = probe::<F>() {
             panic!("{fault}");
         }

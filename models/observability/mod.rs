@@ -59,7 +59,7 @@ impl<F: Filter<Dynamics = Strapdown>> Observability<F> {
                 noise[row] = setup.sigma(info);
             }
         }
-        let Beginning { prior, relaxing, .. } = Beginning::<F>::new(setup, |_, _, sigma| sigma);
+        let Beginning { prior, relaxing, .. } = Beginning::<F>::new(setup, &mut |_, _, sigma| sigma);
         Self { prior, relaxing, noise, open: setup.open, triangle: Triangle::default() }
     }
 
