@@ -75,17 +75,23 @@ enum Like {
     Other,
 }
 
+// Not in a generic function, which would be compiled in every crate that declares a filter.
+static TABLE: &Pool = Pool::of::<Extended<Navigating<Sins36P>, Everything>>();
+static VELOCITY: &Pool = Pool::of::<Extended<Navigating<Systematic30>, Everything>>();
+static CARRIED: &Pool = Pool::of::<Extended<Navigating<Mems30>, Everything>>();
+static TRACKED: &Pool = Pool::of::<Extended<Navigating<Tracked35>, Everything>>();
+
 /// The pool for filters that measure what `F` does.
 pub(crate) fn pool<F: Filter<Dynamics = Strapdown, Shape: Sizes>>() -> &'static Pool {
-    // known at compile time: the other pools are not compiled for `F`
+    // known at compile time: a pool of its own is not compiled for every `F`
     if const { matches!(like(F::MEASURES), Like::Table) } {
-        Pool::of::<Extended<Navigating<Sins36P>, Everything>>()
+        TABLE
     } else if const { matches!(like(F::MEASURES), Like::Velocity) } {
-        Pool::of::<Extended<Navigating<Systematic30>, Everything>>()
+        VELOCITY
     } else if const { matches!(like(F::MEASURES), Like::Carried) } {
-        Pool::of::<Extended<Navigating<Mems30>, Everything>>()
+        CARRIED
     } else if const { matches!(like(F::MEASURES), Like::Tracked) } {
-        Pool::of::<Extended<Navigating<Tracked35>, Everything>>()
+        TRACKED
     } else {
         Pool::of::<Extended<Navigating<F>, Everything>>()
     }

@@ -10,6 +10,8 @@ const CLIPPED: (u64, u64) = (5, 3);
 const CROWD: u64 = 3;
 /// A value stands for so long before it is stuck, s, and for so many rows.
 const STUCK: (f64, u64) = (1.0, 30);
+/// A sensor that counts pulses rests at one value, and goes from it by this many of its smallest steps at most.
+const PULSES: f64 = 2.5;
 /// This part of the rows repeats the row before where a sensor is slower than the log.
 const REPEATED: f64 = 0.2;
 
@@ -54,13 +56,61 @@ impl Extreme {
 }
 
 /// A value that stays.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Still {
     value: f64,
     run: u64,
     /// The longest run: rows, and its last row.
     longest: (u64, u64),
     changes: u64,
+    /// The largest value without its sign, and the smallest step from a value to another.
+    largest: f64,
+    least: f64,
+    /// The step to this value, and the larger one of those to and from the longest run.
+    step: f64,
+    aside: f64,
+}
+
+impl Still {
+    const NOTHING: Self = Self {
+        value: 0.0,
+        run: 0,
+        longest: (0, 0),
+        changes: 0,
+        largest: 0.0,
+        least: f64::INFINITY,
+        step: 0.0,
+        aside: 0.0,
+    };
+
+    fn push(&mut self, value: f64, row: u64) {
+        let step = (value - self.value).abs();
+        self.largest = self.largest.max(value.abs());
+        if self.changes > 0 && step <= 1e-9 * value.abs() {
+            self.run += 1;
+        } else {
+            if self.changes > 0 {
+                if self.longest == (self.run, row - 1) {
+                    self.aside = self.aside.max(step);
+                }
+                self.step = step;
+                // what differs in the last digits is the same
+                if step > 1e-9 * self.largest {
+                    self.least = self.least.min(step);
+                }
+            }
+            self.changes += 1;
+            (self.value, self.run) = (value, 1);
+        }
+        if self.run > self.longest.0 {
+            (self.longest, self.aside) = ((self.run, row), self.step);
+        }
+    }
+
+    /// Whether the longest run is what a sensor that counts pulses does where it feels next to nothing.
+    fn counts(&self) -> bool {
+        self.aside <= PULSES * self.least
+    }
 }
 
 /// Takes in rates and forces.
@@ -79,7 +129,7 @@ impl Channels {
             interval,
             rows: 0,
             extremes: [[Extreme::default(); 2]; 6],
-            still: [Still::default(); 6],
+            still: [Still::NOTHING; 6],
             last: [f64::NAN; 6],
             repeated: 0,
         }
@@ -95,15 +145,7 @@ impl Channels {
             }
             extremes[0].push(value, row);
             extremes[1].push(-value, row);
-            if row > 1 && (value - still.value).abs() <= 1e-9 * value.abs() {
-                still.run += 1;
-            } else {
-                still.changes += 1;
-                *still = Still { value, run: 1, ..*still };
-            }
-            if still.run > still.longest.0 {
-                still.longest = (still.run, row);
-            }
+            still.push(value, row);
         }
         self.repeated += u64::from(self.last == values);
         self.last = values;
@@ -122,7 +164,7 @@ impl Channels {
             let (rows, end) = still.longest;
             let clipped =
                 self.extremes[of].iter().any(|extreme| extreme.longest == rows) && still.changes > 1;
-            if long && exact < 6 && !clipped {
+            if long && exact < 6 && !clipped && (still.changes <= 1 || !still.counts()) {
                 let what = if still.changes <= 1 {
                     format!("reads nothing but {:.6} {}", still.value, unit(of))
                 } else {
@@ -198,5 +240,19 @@ mod tests {
         assert_eq!(told.len(), 1, "{told:?}");
         assert!(told[0].starts_with("rows 501 to 700: gyro y holds one value in 200 rows"), "{told:?}");
         assert!(seen(|_| 0.0)[0].contains("reads nothing but 0.000000 rad/s"));
+    }
+
+    #[test]
+    fn a_sensor_that_counts_pulses_may_rest_at_one_value() {
+        // a pulse now and then, none for 300 rows, and turns between
+        let pulses = |row: usize| match row {
+            500..800 => 3e-5,
+            0..1000 => [2e-5, 3e-5, 3e-5, 4e-5][row % 4],
+            _ => 0.5 + 1e-5 * (row % 5) as f64,
+        };
+        assert_eq!(seen(pulses), Vec::<String>::new());
+        // one that hangs while the others turn does not go on where it was
+        let hangs = |row: usize| if (1200..1500).contains(&row) { 3e-5 } else { pulses(row) };
+        assert!(seen(hangs)[0].contains("gyro y holds one value in 300 rows"), "{:?}", seen(hangs));
     }
 }
