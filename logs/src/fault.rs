@@ -49,6 +49,11 @@ pub(super) fn shown(text: &str, most: usize) -> String {
     text.chars().take(most).map(harmless).collect()
 }
 
+/// A text out of a file in one line: a name may hold a line break.
+fn in_line(text: &str) -> String {
+    text.replace('\r', "\\r").replace('\n', "\\n")
+}
+
 impl LogError {
     fn new(message: String) -> Self {
         Self(Box::new(Fault {
@@ -112,7 +117,8 @@ impl LogError {
             let before = text.as_bytes().get(..span.start).unwrap_or(text.as_bytes());
             format!(", line {}", 1 + before.iter().filter(|byte| **byte == b'\n').count())
         });
-        let field = field.map(|field| format!(", field `{field}`"));
+        let field = field.map(|field| format!(", field `{}`", in_line(field)));
+        let problem = in_line(&problem.to_string());
         let mut fault =
             Self::new(format!("{file}{}{}: {problem}", line.unwrap_or_default(), field.unwrap_or_default()));
         let quotable = text.lines().all(|line| line.len() <= LONGEST_QUOTED);
@@ -198,5 +204,17 @@ impl LogError {
             .chain(help)
             .chain(self.0.others.iter().flat_map(LogError::messages))
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_break_in_a_name_does_not_break_the_message() {
+        let text: Arc<str> = "\"a\\nb\" = 1".into();
+        let fault = LogError::text(Path::new("u.toml"), &text, None, Some("imu.a\nb"), "is `x\r\ny`");
+        assert_eq!(fault.to_string(), "u.toml, field `imu.a\\nb`: is `x\\r\\ny`");
     }
 }

@@ -7,7 +7,7 @@ use logs::Quiet;
 use miette::Result;
 use reports::{Curve, Figure, Item, Report, Section, Style, Table, Tone, number, text as words};
 
-use super::text::{CONSTANTS, Cells, DENSITIES, cells, taken};
+use super::text::{CONSTANTS, Cells, DENSITIES, as_white, cells, taken};
 use super::{Found, Sensor};
 use crate::origin::Documented as _;
 use crate::output::Files;
@@ -41,6 +41,10 @@ pub(super) fn write(
                     words(sheet.unit),
                     number(si),
                 ]);
+            }
+            if let Some((title, value, unit)) = as_white(sensor, channel) {
+                let none = || words(String::new());
+                rows.push(vec![words(axis), words(title), number(value), none(), words(unit), none()]);
             }
         }
         let head = ["axis", "process", "value", "95 % interval", "unit", "SI"];

@@ -2,27 +2,33 @@
 
 use std::fmt::Write;
 
-use ::noise::{Component, Identified};
+use ::noise::{Component, Identified, Kind, typical};
 use reports::figures::significant;
 
+use super::units::Naming;
 use super::{Found, Sensor};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The white noise of a channel as averages over seconds show it, in the unit of data sheets: with what forgets faster than that.
+fn white(sensor: Sensor, channel: &Identified) -> Option<f64> {
+    let all = typical(&[channel.processes()]);
+    let white = all.iter().find(|process| process.kind == Kind::White)?;
+    Some(white.size / sensor.naming(white.kind).sheet.1)
+}
+
+/// The same where it is not one of the processes: what it is, how much, and the unit.
+pub(super) fn as_white(sensor: Sensor, channel: &Identified) -> Option<(String, String, &'static str)> {
+    channel.processes().iter().any(|process| process.kind.is_fast()).then_some(())?;
+    let Naming { title, sheet: (unit, _), .. } = sensor.naming(Kind::White);
+    Some((format!("beyond a second: {title}"), significant(white(sensor, channel)?), unit))
+}
 
 /// The finding in a sentence.
 pub(super) fn verdict(found: &Found) -> String {
     let white = |of: usize| {
         let (sensor, channels) = found.sensors()[of];
-        let sizes = channels.iter().map(|channel| {
-            let white = channel
-                .components
-                .iter()
-                .find(|component| sensor.naming(component.process.kind).kind == "white");
-            white.map(|white| {
-                let (_, size) = sensor.naming(white.process.kind).sheet;
-                significant(white.process.size / size)
-            })
-        });
+        let sizes = channels.iter().map(|channel| white(sensor, channel).map(significant));
         let sizes: Vec<Option<String>> = sizes.collect();
         sizes.iter().any(Option::is_some).then(|| {
             let all = sizes.into_iter().map(|size| size.unwrap_or_else(|| "-".to_owned()));
@@ -126,6 +132,9 @@ pub(super) fn text(found: &Found) -> String {
                 let Cells { title, sheet, si } = cells(sensor, component);
                 line(&format!("  {title:60} {:44} {}", sheet.line(), si.line()));
             }
+            if let Some((title, value, unit)) = as_white(sensor, channel) {
+                line(&format!("  {title:60} {value} {unit}"));
+            }
             if let Some((deviation, tau)) = channel.floor() {
                 let (_, (unit, size)) = sensor.reading();
                 line(&format!(
@@ -137,4 +146,29 @@ pub(super) fn text(found: &Found) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use ::noise::Process;
+
+    use super::*;
+
+    #[test]
+    fn what_forgets_within_a_second_is_white_beyond_it() {
+        let channel = |time: f64| {
+            let process = Process { kind: Kind::GaussMarkov { time }, size: 1.2e-6 };
+            let component =
+                Component { process, size: (1.1e-6, 1.3e-6), time: Some((0.9 * time, 1.1 * time)) };
+            Identified { scales: Vec::new(), components: vec![component], taken: None }
+        };
+        // 1.2e-6 rad/s sqrt(2 0.04 s) = 3.394e-7 rad/sqrt(s) = 1.167e-3 deg/sqrt(h)
+        let (title, value, unit) = as_white(Sensor::Gyro, &channel(0.04)).expect("it forgets");
+        assert_eq!((value.as_str(), unit), ("0.00117", "deg/sqrt(h)"));
+        assert_eq!(title, "beyond a second: angle random walk (white noise)");
+        assert_eq!(
+            (as_white(Sensor::Gyro, &channel(40.0)), white(Sensor::Gyro, &channel(40.0))),
+            (None, None)
+        );
+    }
 }

@@ -60,27 +60,27 @@ impl Extreme {
 struct Still {
     value: f64,
     run: u64,
-    /// The longest run: rows, and its last row.
-    longest: (u64, u64),
     changes: u64,
-    /// The largest value without its sign, and the smallest step from a value to another.
+    /// The longest run, rows.
+    longest: u64,
+    /// The longest run that is not what a sensor that counts pulses does where it feels next to nothing: rows, and its last row.
+    hung: (u64, u64),
+    /// The largest value without its sign, the smallest step from a value to another, and the step to this value.
     largest: f64,
     least: f64,
-    /// The step to this value, and the larger one of those to and from the longest run.
     step: f64,
-    aside: f64,
 }
 
 impl Still {
     const NOTHING: Self = Self {
         value: 0.0,
         run: 0,
-        longest: (0, 0),
         changes: 0,
+        longest: 0,
+        hung: (0, 0),
         largest: 0.0,
         least: f64::INFINITY,
         step: 0.0,
-        aside: 0.0,
     };
 
     fn push(&mut self, value: f64, row: u64) {
@@ -90,26 +90,28 @@ impl Still {
             self.run += 1;
         } else {
             if self.changes > 0 {
-                if self.longest == (self.run, row - 1) {
-                    self.aside = self.aside.max(step);
-                }
-                self.step = step;
                 // what differs in the last digits is the same
                 if step > 1e-9 * self.largest {
                     self.least = self.least.min(step);
                 }
+                self.hung = self.hung_after(step, row - 1);
+                self.step = step;
             }
             self.changes += 1;
             (self.value, self.run) = (value, 1);
         }
-        if self.run > self.longest.0 {
-            (self.longest, self.aside) = ((self.run, row), self.step);
-        }
+        self.longest = self.longest.max(self.run);
     }
 
-    /// Whether the longest run is what a sensor that counts pulses does where it feels next to nothing.
-    fn counts(&self) -> bool {
-        self.aside <= PULSES * self.least
+    /// The longest hung run where the present one ends with a row and a step.
+    fn hung_after(&self, step: f64, row: u64) -> (u64, u64) {
+        let counts = self.step.max(step) <= PULSES * self.least;
+        if counts || self.run <= self.hung.0 { self.hung } else { (self.run, row) }
+    }
+
+    /// The same where the log ends with a row.
+    fn hung_until(&self, row: u64) -> (u64, u64) {
+        if self.changes <= 1 { (self.run, row) } else { self.hung_after(0.0, row) }
     }
 }
 
@@ -155,16 +157,16 @@ impl Channels {
         let mut warnings = Vec::new();
         let scatter = |of: usize| rests.noise.is_none_or(|noise| noise[of / 3][of % 3] > 0.0);
         let unit = |of: usize| if of < 3 { "rad/s" } else { "m/s^2" };
-        let exact = self.still.iter().filter(|still| still.longest.0 > STUCK.1).count();
+        let exact = self.still.iter().filter(|still| still.longest > STUCK.1).count();
         for of in 0..6 {
             let still = &self.still[of];
-            let long = still.longest.0 as f64 * self.interval >= STUCK.0 && still.longest.0 >= STUCK.1;
+            let (rows, end) = still.hung_until(self.rows);
+            let long = rows as f64 * self.interval >= STUCK.0 && rows >= STUCK.1;
             // where every channel stands a log was made without noise
             // what stands at the end of its range was clipped
-            let (rows, end) = still.longest;
             let clipped =
                 self.extremes[of].iter().any(|extreme| extreme.longest == rows) && still.changes > 1;
-            if long && exact < 6 && !clipped && (still.changes <= 1 || !still.counts()) {
+            if long && exact < 6 && !clipped {
                 let what = if still.changes <= 1 {
                     format!("reads nothing but {:.6} {}", still.value, unit(of))
                 } else {

@@ -36,9 +36,11 @@ impl Fault {
         problem: impl Into<String>,
         accepted: impl Into<String>,
     ) -> Self {
+        // a name out of a file may hold a line break
+        let in_line = |text: String| text.replace('\r', "\\r").replace('\n', "\\n");
         Self {
-            field: field.into(),
-            problem: problem.into(),
+            field: in_line(field.into()),
+            problem: in_line(problem.into()),
             accepted: accepted.into(),
             line: None,
             span: None,
@@ -75,4 +77,15 @@ impl fmt::Display for Fault {
 pub struct ScenarioError {
     /// Everything that is wrong, at least one.
     pub faults: Vec<Fault>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_break_in_a_name_does_not_break_the_message() {
+        let fault = Fault::new("imu.a\nb", "is \"x\ny\"", "3 m");
+        assert_eq!((fault.field.as_str(), fault.problem.as_str()), ("imu.a\\nb", "is \"x\\ny\""));
+    }
 }
