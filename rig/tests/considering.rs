@@ -161,12 +161,13 @@ const TABLE: &str = "[reference]\nattitude = true\n[population]\ngyro-scale = \"
 
 #[test]
 fn a_table_that_is_not_square_is_considered_or_found() -> Result<(), Box<dyn std::error::Error>> {
-    let off = [("table-orthogonality", 1e-3, "1 mrad")];
-    let (squares, nees, larger) = consider::<Tracked35, OnTable>(TABLE, &off, &off, 4)?;
-    println!("considered: NEES {nees:.3}, sigmas larger by up to {larger:.1}, {squares:.1?}");
+    let off = [("table-orthogonality", 4e-3, "4 mrad")];
+    let (_, nees, _) = consider::<Tracked35, Tracked35>(TABLE, &off, &off, 4)?;
+    assert!(nees > 100.0, "it does not matter: {nees}");
+    let (squares, nees, _) = consider::<Tracked35, OnTable>(TABLE, &off, &off, 4)?;
+    println!("considered: NEES {nees:.3}, {squares:.1?}");
     // 104 squares: 0.61 to 1.50 in 999 cases of 1000
     assert!((0.61..1.50).contains(&nees), "{nees}");
-    assert!(larger > 3.0, "it does not matter: {larger}");
     let (squares, nees, _) = consider::<OfTable, OfTable>(TABLE, &off, &off, 4)?;
     println!("estimated: NEES {nees:.3}, {squares:.1?}");
     assert!((0.61..1.50).contains(&nees), "{nees}");
