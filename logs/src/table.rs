@@ -76,6 +76,7 @@ pub(super) enum Format {
     Npz,
     Npy,
     Mat,
+    Ulog,
     /// What is read and not written.
     Others,
 }
@@ -176,6 +177,7 @@ impl Table {
             Contents::Memory(_, Kind::Npz) => Format::Npz,
             Contents::Memory(_, Kind::Npy) => Format::Npy,
             Contents::Memory(_, Kind::Mat) => Format::Mat,
+            Contents::Memory(_, Kind::Ulog) => Format::Ulog,
             Contents::Memory(..) => Format::Others,
         }
     }

@@ -1,6 +1,6 @@
 //! A table written once more, with other rates and forces and everything else as it stands.
 
-#[cfg(any(feature = "npz", feature = "mat"))]
+#[cfg(any(feature = "npz", feature = "mat", feature = "ulog"))]
 pub(crate) mod arrays;
 mod columns;
 #[cfg(feature = "npz")]
@@ -53,7 +53,8 @@ impl Log {
         if self.table.format() != Format::Others {
             return Ok(());
         }
-        let help = "text (CSV and its like), Parquet, NumPy files and MATLAB files of `save -v7` are written: save the log as one of these first";
+        let help = "text (CSV and its like), Parquet, NumPy files, MATLAB files of `save -v7` and ULog are written: save the log as one of \
+                    these first";
         Err(LogError::file(self.table(), "is of a format that is not written").help(help))
     }
 
@@ -82,6 +83,8 @@ impl Log {
             Format::Npz => Box::new(arrays::Arrays::new(self.table(), out, numpy::archive)),
             #[cfg(feature = "npz")]
             Format::Npy => Box::new(arrays::Arrays::new(self.table(), out, numpy::array)),
+            #[cfg(feature = "ulog")]
+            Format::Ulog => Box::new(arrays::Arrays::new(self.table(), out, crate::topics::ulog::rewritten)),
             #[cfg(feature = "mat")]
             Format::Mat => Box::new(arrays::Arrays::new(self.table(), out, crate::mat5::rewritten)),
             _ => Box::new(Text::open(self.table(), out)?),

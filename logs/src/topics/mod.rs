@@ -30,6 +30,22 @@ struct Series {
     numbers: Vec<f64>,
 }
 
+impl Series {
+    fn rows(&self) -> usize {
+        self.numbers.len() / self.width.max(1)
+    }
+
+    fn dims(&self) -> Vec<u64> {
+        vec![self.rows() as u64, self.width as u64]
+    }
+
+    /// The numbers of a message.
+    #[cfg(feature = "ulog")]
+    fn row(&self, row: usize) -> Option<&[f64]> {
+        self.numbers.get(row * self.width..(row + 1) * self.width)
+    }
+}
+
 impl Topics {
     /// Begins a field with so many numbers in each message; its place.
     fn declare(&mut self, topic: &str, field: &str, width: usize) -> Result<usize, String> {
@@ -56,11 +72,8 @@ impl Topics {
     /// What there is. Topics without a message are left out.
     fn named(mut self) -> (Self, Vec<Named>) {
         self.series.retain(|series| !series.numbers.is_empty());
-        let named = self.series.iter().map(|series| {
-            let rows = (series.numbers.len() / series.width.max(1)) as u64;
-            Named { name: series.name.clone(), dims: Ok(vec![rows, series.width as u64]) }
-        });
-        let named = named.collect();
+        let named = |series: &Series| Named { name: series.name.clone(), dims: Ok(series.dims()) };
+        let named = self.series.iter().map(named).collect();
         (self, named)
     }
 }

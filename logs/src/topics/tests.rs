@@ -195,6 +195,34 @@ fn recordings_are_read_without_a_map() -> Done {
 }
 
 #[test]
+fn a_ulog_is_written_with_other_rates_and_forces_and_nothing_else() -> Done {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("log.ulg");
+    std::fs::write(&path, ulog())?;
+    std::fs::write(path.with_extension("toml"), DESCRIPTION)?;
+    let (turn, pull) = (Vector3::new(1e-5, -2e-5, 3e-5), Vector3::new(-1e-3, 2e-3, 3e-3));
+    let mut written = Vec::new();
+    let log = Log::open(&path, &Reading::default())?;
+    log.rewrite(&mut written, &mut |sample| (sample.dtheta + turn, sample.dvel + pull))??;
+
+    let (before, after) = (read("log.ulg", &ulog())?, read("log.ulg", &written)?);
+    assert_eq!(before.len(), after.len());
+    for (before, after) in before.iter().zip(&after) {
+        assert_eq!(before.0, after.0);
+        // as far as floats of 24 bits go
+        assert!((after.1 - before.1 - turn / 0.005).norm() < 1e-8, "{before:?} {after:?}");
+        assert!((after.2 - before.2 - pull / 0.005).norm() < 1e-5, "{before:?} {after:?}");
+    }
+    // length and kind, number and stamp; rates; another number; forces
+    const MESSAGE: usize = 3 + 10 + 12 + 4 + 12;
+    let first = written.len() - ROWS as usize * MESSAGE;
+    for (at, _) in ulog().iter().zip(&written).enumerate().filter(|(_, (old, new))| old != new) {
+        assert!(at >= first && matches!((at - first) % MESSAGE, 13..25 | 29..41), "{at}");
+    }
+    Ok(())
+}
+
+#[test]
 fn what_is_no_recording_is_refused_with_its_name() {
     for (name, bytes, part) in [
         ("log.bag", b"#ROSBAG V1.2\n".to_vec(), "log.bag: is no bag of ROS 1"),

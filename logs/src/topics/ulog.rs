@@ -4,15 +4,17 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::fs::File;
 use std::io::Read;
+use std::ops::Range;
 use std::path::Path;
 
 use px4_ulog::stream_parser::LogParser;
 use px4_ulog::stream_parser::model::{DataMessage, FlattenedField, FlattenedFieldType};
 
 use super::Topics;
-use crate::arrays::Named;
+use crate::arrays::{LARGEST, Named};
 use crate::fault::LogError;
 use crate::guard::guarded;
+use crate::rewrite::arrays::Changes;
 
 /// Topics that may matter: those whose names begin so.
 const TOPICS: [&str; 12] = [
@@ -37,7 +39,7 @@ const PIECE: usize = 1 << 16;
 /// Reads the topics that may matter.
 pub(crate) fn open(path: &Path) -> Result<(Topics, Vec<Named>), LogError> {
     let mut file = File::open(path).map_err(|error| crate::unreadable(path, &error))?;
-    let topics = guarded(|| read(&mut file)).map_err(|problem| {
+    let (topics, _) = guarded(|| read(&mut file)).map_err(|problem| {
         LogError::file(path, format!("is no ULog of PX4, or damaged: {problem}"))
             .help("what PX4 writes to log/*.ulg is read here")
     })?;
@@ -50,9 +52,72 @@ struct Field {
     elements: Vec<FlattenedField>,
 }
 
-fn read(file: &mut File) -> Result<Topics, String> {
+/// The fields of each kind of message.
+type Fields = HashMap<u16, Vec<Field>>;
+
+/// The bytes of a file with other numbers in some of its fields. Everything else stays as it is.
+pub(crate) fn rewritten(path: &Path, changes: &Changes) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let mut file = File::open(path).map_err(|error| error.to_string())?.take(LARGEST + 1);
+    file.read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(format!("it is larger than {} GiB: record a shorter one", LARGEST >> 30));
+    }
+    let (mut topics, fields) = read(&mut bytes.as_slice())?;
+    for (place, series) in topics.series.iter_mut().enumerate().filter(|(place, _)| changes.has(*place)) {
+        changes.apply(place, &series.dims(), &mut series.numbers)?;
+    }
+    let mut rows = vec![0; topics.series.len()];
+    for (id, data) in data_messages(&bytes) {
+        for field in fields.get(&id).into_iter().flatten().filter(|field| changes.has(field.place)) {
+            let numbers = topics.series[field.place].row(rows[field.place]);
+            rows[field.place] += 1;
+            let data = &mut bytes[data.clone()];
+            for (element, number) in field.elements.iter().zip(numbers.ok_or(MEANWHILE)?) {
+                put(data, element, *number)?;
+            }
+        }
+    }
+    let whole =
+        |(place, series): (usize, &super::Series)| !changes.has(place) || series.rows() == rows[place];
+    if topics.series.iter().enumerate().all(whole) { Ok(bytes) } else { Err(MEANWHILE.into()) }
+}
+
+/// Why what was read and what is written do not go together.
+const MEANWHILE: &str = "its messages do not follow each other as they were read";
+
+/// What stands before the first message, bytes.
+const HEADER: usize = 16;
+
+/// Kind and place of the messages that hold data, from one end of the file to the other.
+fn data_messages(bytes: &[u8]) -> Vec<(u16, Range<usize>)> {
+    let mut found = Vec::new();
+    let mut at = HEADER;
+    while let Some([low, high, kind]) = bytes.get(at..).and_then(|rest| rest.first_chunk()).copied() {
+        let data = at + 3..at + 3 + usize::from(u16::from_le_bytes([low, high]));
+        at = data.end;
+        let id = bytes.get(data.clone()).and_then(|data| data.first_chunk()).copied();
+        found.extend(id.filter(|_| kind == b'D').map(|id| (u16::from_le_bytes(id), data)));
+    }
+    found
+}
+
+/// Writes a number into a message.
+fn put(data: &mut [u8], field: &FlattenedField, number: f64) -> Result<(), String> {
+    let at = usize::from(field.offset);
+    let bytes: &[u8] = match field.field_type {
+        FlattenedFieldType::Float => &(number as f32).to_le_bytes(),
+        FlattenedFieldType::Double => &number.to_le_bytes(),
+        _ => return Err("its numbers are whole: what is taken out of them does not fit in".into()),
+    };
+    data.get_mut(at..at + bytes.len()).ok_or("a message is shorter than its format")?.copy_from_slice(bytes);
+    Ok(())
+}
+
+/// What the topics that may matter hold, and where in a message it stands.
+fn read(file: &mut impl Read) -> Result<(Topics, Fields), String> {
     let mut topics = Topics::default();
-    let mut known: HashMap<u16, Vec<Field>> = HashMap::new();
+    let mut known = Fields::new();
     let mut failure = None;
     let mut take = |message: &DataMessage<'_>| {
         if failure.is_some() {
@@ -83,7 +148,7 @@ fn read(file: &mut File) -> Result<Topics, String> {
         parser.consume_bytes(&piece[..read]).map_err(|error| error.to_string())?;
     }
     drop(parser);
-    failure.map_or(Ok(topics), Err)
+    failure.map_or(Ok((topics, known)), Err)
 }
 
 /// The fields of a topic that may matter, elements of an array together.
