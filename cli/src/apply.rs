@@ -20,7 +20,7 @@ Examples:
   sinscal apply data.txt --calibration c.json --map gyro=w:deg/s,accel=a:g,time=t --out corrected.txt
 
 The result is of the format of the log, with its names, units, axes and lines; rates and forces alone are others. Text (CSV and its like),
-Parquet, NumPy files, MATLAB files of `save -v7` and ULog are written. The description is copied beside it, as OUT.toml.";
+Parquet, NumPy files, MATLAB files of `save -v7`, ULog, and HDF5 whose datasets stand in one piece are written. The description is copied beside it, as OUT.toml.";
 
 /// Endings of files that are no text.
 const BINARY: [&str; 10] = ["parquet", "mat", "h5", "hdf5", "npz", "npy", "mcap", "bag", "ulg", "ulog"];

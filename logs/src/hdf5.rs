@@ -1,13 +1,18 @@
 //! HDF5 files: `.h5`, and MATLAB's `save -v7.3`. Datasets in groups go by their path, `imu/gyro`.
 
+use std::io::Read;
+use std::ops::Range;
 use std::path::Path;
 
 use hdf5_reader::group::Group;
-use hdf5_reader::{Dataset, Datatype, H5Type, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
+use hdf5_reader::messages::HdfMessage;
+use hdf5_reader::messages::layout::DataLayout;
+use hdf5_reader::{ByteOrder, Dataset, Datatype, H5Type, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
 
 use super::arrays::{Arrays, LARGEST, MOST_VARIABLES, Named};
 use super::fault::LogError;
 use super::guard::guarded;
+use super::rewrite::arrays::Changes;
 
 /// Deflate packs no tighter: what announces more numbers than that is damaged.
 const TIGHTEST: u64 = 1100;
@@ -25,10 +30,9 @@ impl Hdf5 {
     /// Opens a file and lists its datasets.
     pub(super) fn open(path: &Path) -> Result<(Self, Vec<Named>), LogError> {
         let length = std::fs::metadata(path).map_err(|error| super::unreadable(path, &error))?.len();
-        let options = OpenOptions::default().with_max_read_bytes(LARGEST as usize);
         let mut found = Vec::new();
         guarded(|| {
-            let file = Hdf5File::open_with_options(path, options).map_err(|error| error.to_string())?;
+            let file = file(path)?;
             let root = file.root_group().map_err(|error| error.to_string())?;
             list(&root, "", 0, length.saturating_mul(TIGHTEST), &mut found)
         })
@@ -51,6 +55,81 @@ impl Arrays for Hdf5 {
         let dataset = self.datasets.get(index).and_then(Option::as_ref).ok_or("it is not there")?;
         guarded(|| numbers(dataset, each))
     }
+}
+
+fn file(path: &Path) -> Result<Hdf5File, String> {
+    let options = OpenOptions::default().with_max_read_bytes(LARGEST as usize);
+    Hdf5File::open_with_options(path, options).map_err(|error| error.to_string())
+}
+
+/// The bytes of a file with other numbers in some of its datasets. Everything else stays as it is.
+pub(super) fn rewritten(path: &Path, changes: &Changes) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)
+        .and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
+        .map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(format!("it is larger than {} GiB: write a shorter one", LARGEST >> 30));
+    }
+    let opened = file(path)?;
+    let (mut hdf5, named) = Hdf5::open(path).map_err(|fault| fault.to_string())?;
+    for (index, named) in named.iter().enumerate().filter(|(index, _)| changes.has(*index)) {
+        let dims = named.dims.clone()?;
+        let mut numbers = Vec::new();
+        hdf5.read(index, &mut |number| {
+            numbers.push(number);
+            true
+        })?;
+        changes.apply(index, &dims, &mut numbers)?;
+        let dataset = hdf5.datasets[index].as_ref().ok_or("it is not there")?;
+        let place = place(&opened, dataset)?.and_then(|place| bytes.get_mut(place));
+        let place = place.ok_or_else(|| {
+            format!(
+                "{} stands in pieces, or packed: only datasets in one piece are written (h5py's, without chunks and compression)",
+                named.name
+            )
+        })?;
+        put(place, dataset.dtype(), &numbers).map_err(|problem| format!("{}: {problem}", named.name))?;
+    }
+    Ok(bytes)
+}
+
+/// Where the numbers of a dataset stand in the file, if in one piece.
+fn place(file: &Hdf5File, dataset: &Dataset) -> Result<Option<Range<usize>>, String> {
+    let header = file.get_or_parse_header(dataset.address()).map_err(|error| error.to_string())?;
+    let layouts = header.messages.iter().filter_map(|message| match message {
+        HdfMessage::DataLayout(message) => Some(&message.layout),
+        _ => None,
+    });
+    Ok(layouts.last().and_then(|layout| match layout {
+        DataLayout::Contiguous { address, size } => {
+            let first = usize::try_from(file.superblock().base_address.checked_add(*address)?).ok()?;
+            Some(first..first.checked_add(usize::try_from(*size).ok()?)?)
+        }
+        _ => None,
+    }))
+}
+
+/// Writes the numbers of a dataset.
+fn put(place: &mut [u8], datatype: &Datatype, numbers: &[f64]) -> Result<(), &'static str> {
+    let Datatype::FloatingPoint { size, byte_order } = datatype else {
+        return Err("its numbers are whole: what is taken out of them does not fit in");
+    };
+    let size = usize::from(*size);
+    if place.len() != numbers.len() * size {
+        return Err("the log has changed meanwhile");
+    }
+    for (place, number) in place.chunks_exact_mut(size).zip(numbers) {
+        let big = *byte_order == ByteOrder::BigEndian;
+        match (size, big) {
+            (8, false) => place.copy_from_slice(&number.to_le_bytes()),
+            (8, true) => place.copy_from_slice(&number.to_be_bytes()),
+            (4, false) => place.copy_from_slice(&(*number as f32).to_le_bytes()),
+            (4, true) => place.copy_from_slice(&(*number as f32).to_be_bytes()),
+            _ => return Err("its numbers are of an unusual size"),
+        }
+    }
+    Ok(())
 }
 
 /// A number of whatever type the file has. One type, so that what reads a dataset is compiled once and not for each of ten.
@@ -219,4 +298,71 @@ fn describe(dataset: &Dataset, most: u64) -> Result<Vec<u64>, String> {
         _ => "no numbers",
     };
     Err(holds.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::rewrite::arrays::{change, changed};
+    use crate::tests::support::Done;
+
+    const ROWS: usize = 30;
+
+    /// Files that h5py wrote.
+    fn fixture(name: &str) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../cli/tests/formats").join(name)
+    }
+
+    /// Names and numbers of the datasets that hold some.
+    fn arrays(path: &Path) -> Result<Vec<(usize, String, Vec<f64>)>, LogError> {
+        let (mut hdf5, named) = Hdf5::open(path)?;
+        let numbers = |(index, named): (usize, Named)| {
+            let mut numbers = Vec::new();
+            named.dims.ok()?;
+            let each = &mut |number| {
+                numbers.push(number);
+                true
+            };
+            hdf5.read(index, each).ok()?;
+            Some((index, named.name, numbers))
+        };
+        Ok(named.into_iter().enumerate().filter_map(numbers).collect())
+    }
+
+    #[test]
+    fn datasets_in_one_piece_change_and_nothing_else() -> Done {
+        let folder = tempfile::tempdir()?;
+        let (path, copy) = (fixture("workspace.h5"), folder.path().join("copy.h5"));
+        let mut expected = arrays(&path)?;
+        let place =
+            |name: &str| expected.iter().position(|(_, known, _)| known == name).ok_or("no such dataset");
+        let (rates, forces) = (place("wm")?, place("vm")?);
+        let (wm, vm) = (expected[rates].0, expected[forces].0);
+        for row in 0..ROWS {
+            // 3 x 30 and 30 x 3
+            expected[rates].2[ROWS + row] += change(wm, 1, row);
+            expected[forces].2[3 * row + 2] += change(vm, 2, row);
+        }
+        let written = changed(&path, rewritten, ROWS, &[(wm, 1), (vm, 2)])?;
+        std::fs::write(&copy, &written)?;
+        assert_eq!(arrays(&copy)?, expected);
+        let before = std::fs::read(&path)?;
+        let others = before.iter().zip(&written).filter(|(old, new)| old != new).count();
+        assert!(written.len() == before.len() && others <= 2 * ROWS * size_of::<f64>(), "{others}");
+        Ok(())
+    }
+
+    #[test]
+    fn what_stands_in_pieces_or_holds_whole_numbers_is_not_written() -> Done {
+        let packed =
+            changed(&fixture("small-packed.h5"), rewritten, ROWS, &[(0, 1)]).err().ok_or("written")?;
+        assert!(packed.to_string().contains("imu stands in pieces, or packed"), "{packed}");
+        let path = fixture("workspace.h5");
+        let counts = arrays(&path)?.into_iter().find(|(_, name, _)| name == "count").ok_or("no counts")?;
+        let whole = changed(&path, rewritten, ROWS, &[(counts.0, 0)]).err().ok_or("written")?;
+        assert!(whole.to_string().contains("count: its numbers are whole"), "{whole}");
+        Ok(())
+    }
 }

@@ -76,6 +76,7 @@ pub(super) enum Format {
     Npz,
     Npy,
     Mat,
+    Hdf5,
     Ulog,
     /// What is read and not written.
     Others,
@@ -177,6 +178,7 @@ impl Table {
             Contents::Memory(_, Kind::Npz) => Format::Npz,
             Contents::Memory(_, Kind::Npy) => Format::Npy,
             Contents::Memory(_, Kind::Mat) => Format::Mat,
+            Contents::Memory(_, Kind::Hdf5) => Format::Hdf5,
             Contents::Memory(_, Kind::Ulog) => Format::Ulog,
             Contents::Memory(..) => Format::Others,
         }

@@ -1,6 +1,6 @@
 //! A table written once more, with other rates and forces and everything else as it stands.
 
-#[cfg(any(feature = "npz", feature = "mat", feature = "ulog"))]
+#[cfg(any(feature = "npz", feature = "mat", feature = "hdf5", feature = "ulog"))]
 pub(crate) mod arrays;
 mod columns;
 #[cfg(feature = "npz")]
@@ -53,8 +53,8 @@ impl Log {
         if self.table.format() != Format::Others {
             return Ok(());
         }
-        let help = "text (CSV and its like), Parquet, NumPy files, MATLAB files of `save -v7` and ULog are written: save the log as one of \
-                    these first";
+        let help = "text (CSV and its like), Parquet, NumPy files, MATLAB files of `save -v7`, HDF5 and ULog are written: save the log as \
+                    one of these first";
         Err(LogError::file(self.table(), "is of a format that is not written").help(help))
     }
 
@@ -83,6 +83,8 @@ impl Log {
             Format::Npz => Box::new(arrays::Arrays::new(self.table(), out, numpy::archive)),
             #[cfg(feature = "npz")]
             Format::Npy => Box::new(arrays::Arrays::new(self.table(), out, numpy::array)),
+            #[cfg(feature = "hdf5")]
+            Format::Hdf5 => Box::new(arrays::Arrays::new(self.table(), out, crate::hdf5::rewritten)),
             #[cfg(feature = "ulog")]
             Format::Ulog => Box::new(arrays::Arrays::new(self.table(), out, crate::topics::ulog::rewritten)),
             #[cfg(feature = "mat")]
