@@ -19,8 +19,9 @@ Examples:
   sinscal apply walk.csv --calibration results/calibration.json --out corrected.csv
   sinscal apply data.txt --calibration c.json --map gyro=w:deg/s,accel=a:g,time=t --out corrected.txt
 
-The result is of the format of the log, with its names, units, axes and lines; rates and forces alone are others. Text (CSV and its like),
-Parquet, NumPy files, MATLAB files of `save -v7`, ULog, and HDF5 whose datasets stand in one piece are written. The description is copied beside it, as OUT.toml.";
+The result is of the format of the log, with its names, units, axes and lines; rates and forces alone are others. Of HDF5 and MATLAB's v7.3 the
+datasets must stand in one piece, and what a bag or an MCAP file holds must not be packed (`rosbag decompress`, `mcap decompress`). The
+description is copied beside the result, as OUT.toml.";
 
 /// Endings of files that are no text.
 const BINARY: [&str; 10] = ["parquet", "mat", "h5", "hdf5", "npz", "npy", "mcap", "bag", "ulg", "ulog"];
@@ -43,7 +44,6 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<()> {
         let (calibrated, _) = read::read(&self.calibration)?;
         let log = arguments::open(&self.log.log, &self.log.columns.reading_for(&*calibrated.filter))?;
-        log.can_be_rewritten()?;
         self.is_named_like(log.table())?;
         let mut sources = Sources::default();
         sources.add(&self.calibration);

@@ -55,7 +55,6 @@ impl Shape {
     }
 
     /// Which number of the file stands in a row and a column.
-    #[cfg(any(feature = "npz", feature = "mat", feature = "hdf5", feature = "ulog"))]
     pub(super) fn at(&self, row: usize, column: usize) -> usize {
         if self.by_row { row * self.columns + column } else { column * self.rows as usize + row }
     }

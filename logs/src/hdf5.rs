@@ -1,6 +1,5 @@
 //! HDF5 files: `.h5`, and MATLAB's `save -v7.3`. Datasets in groups go by their path, `imu/gyro`.
 
-use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
 
@@ -12,7 +11,7 @@ use hdf5_reader::{ByteOrder, Dataset, Datatype, H5Type, Hdf5File, OpenOptions, S
 use super::arrays::{Arrays, LARGEST, MOST_VARIABLES, Named};
 use super::fault::LogError;
 use super::guard::guarded;
-use super::rewrite::arrays::Changes;
+use super::rewrite::arrays::{Changes, whole};
 
 /// Deflate packs no tighter: what announces more numbers than that is damaged.
 const TIGHTEST: u64 = 1100;
@@ -64,13 +63,7 @@ fn file(path: &Path) -> Result<Hdf5File, String> {
 
 /// The bytes of a file with other numbers in some of its datasets. Everything else stays as it is.
 pub(super) fn rewritten(path: &Path, changes: &Changes) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::new();
-    std::fs::File::open(path)
-        .and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
-        .map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > LARGEST {
-        return Err(format!("it is larger than {} GiB: write a shorter one", LARGEST >> 30));
-    }
+    let mut bytes = whole(path)?;
     let opened = file(path)?;
     let (mut hdf5, named) = Hdf5::open(path).map_err(|fault| fault.to_string())?;
     for (index, named) in named.iter().enumerate().filter(|(index, _)| changes.has(*index)) {

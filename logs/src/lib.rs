@@ -54,6 +54,10 @@ mod quiet;
 mod reading;
 mod refer;
 mod rests;
+#[cfg_attr(
+    not(all(feature = "mat", feature = "npz", feature = "hdf5")),
+    allow(dead_code, reason = "what every writer uses, whichever are built in")
+)]
 mod rewrite;
 mod rows;
 mod samples;

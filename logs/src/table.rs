@@ -68,20 +68,6 @@ enum Contents {
     Memory(Arc<Memory>, Kind),
 }
 
-/// How a table is written.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Format {
-    Text,
-    Parquet,
-    Npz,
-    Npy,
-    Mat,
-    Hdf5,
-    Ulog,
-    /// What is read and not written.
-    Others,
-}
-
 impl Table {
     /// Finds the columns of a file and what its first rows show. The fault of a file of which nothing is known carries the map that
     /// names and numbers suggest.
@@ -171,16 +157,11 @@ impl Table {
         [Group::DTHETA, Group::DVEL].map(|group| self.layout.unit(group.first).per_interval)
     }
 
-    pub(super) fn format(&self) -> Format {
+    pub(super) fn kind(&self) -> Kind {
         match self.holds {
-            Contents::Csv => Format::Text,
-            Contents::Parquet => Format::Parquet,
-            Contents::Memory(_, Kind::Npz) => Format::Npz,
-            Contents::Memory(_, Kind::Npy) => Format::Npy,
-            Contents::Memory(_, Kind::Mat) => Format::Mat,
-            Contents::Memory(_, Kind::Hdf5) => Format::Hdf5,
-            Contents::Memory(_, Kind::Ulog) => Format::Ulog,
-            Contents::Memory(..) => Format::Others,
+            Contents::Csv => Kind::Csv,
+            Contents::Parquet => Kind::Parquet,
+            Contents::Memory(_, kind) => kind,
         }
     }
 

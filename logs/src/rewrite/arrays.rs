@@ -1,11 +1,12 @@
 //! Arrays with other numbers in some of their columns. They are read whole, and so are their changes.
 
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, Read, Write};
 use std::path::Path;
 
 use super::{Change, Column, Sheet};
-use crate::arrays::Shape;
+use crate::arrays::{LARGEST, Shape};
 use crate::guard::guarded;
 
 /// What is added to the numbers of each row.
@@ -38,6 +39,18 @@ impl Changes {
         }
         Ok(())
     }
+}
+
+/// The bytes of a file in which numbers are changed where they stand.
+pub(crate) fn whole(path: &Path) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
+        .map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(format!("it is larger than {} GiB: a shorter one can be written", LARGEST >> 30));
+    }
+    Ok(bytes)
 }
 
 /// Makes of a file and its changes the bytes of the new one.

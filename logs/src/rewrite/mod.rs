@@ -1,6 +1,5 @@
 //! A table written once more, with other rates and forces and everything else as it stands.
 
-#[cfg(any(feature = "npz", feature = "mat", feature = "hdf5", feature = "ulog"))]
 pub(crate) mod arrays;
 mod columns;
 #[cfg(feature = "npz")]
@@ -12,12 +11,13 @@ use std::io::{self, Write};
 use nalgebra::Vector3;
 use sinscal::Sample;
 
+use self::arrays::{Arrays, Rewritten};
 use self::columns::Columns;
 use self::text::Text;
 use super::columns::Group;
 use super::fault::LogError;
+use super::files::Kind;
 use super::rows::Row;
-use super::table::Format;
 use super::{Log, Samples};
 
 /// Angle and velocity increments, rad and m/s, in the axes of samples.
@@ -44,51 +44,50 @@ trait Sheet {
     fn finish(self: Box<Self>) -> io::Result<()>;
 }
 
-impl Log {
-    /// Whether its table can be written by [`rewrite`](Self::rewrite).
-    ///
-    /// # Errors
-    /// When it cannot: says which can.
-    pub fn can_be_rewritten(&self) -> Result<(), LogError> {
-        if self.table.format() != Format::Others {
-            return Ok(());
-        }
-        let help = "text (CSV and its like), Parquet, NumPy files, MATLAB files of `save -v7`, HDF5 and ULog are written: save the log as \
-                    one of these first";
-        Err(LogError::file(self.table(), "is of a format that is not written").help(help))
-    }
+/// What changes the arrays of a kind of file that this build reads, where it is one of arrays.
+fn in_place(kind: Kind) -> Option<Rewritten> {
+    Some(match kind {
+        #[cfg(feature = "npz")]
+        Kind::Npz => numpy::archive,
+        #[cfg(feature = "npz")]
+        Kind::Npy => numpy::array,
+        #[cfg(feature = "mat")]
+        Kind::Mat => super::mat5::rewritten,
+        #[cfg(feature = "hdf5")]
+        Kind::Hdf5 => super::hdf5::rewritten,
+        #[cfg(feature = "mcap")]
+        Kind::Mcap => super::topics::mcap::rewritten,
+        #[cfg(feature = "bag")]
+        Kind::Bag => super::topics::bag::rewritten,
+        #[cfg(feature = "ulog")]
+        Kind::Ulog => super::topics::ulog::rewritten,
+        _ => return None,
+    })
+}
 
+impl Log {
     /// Writes its table with the increments that `correct` makes of each sample: names, units, axes and separators of the file stay, so do
     /// all other columns and lines. What the file holds as rates or forces changes by the change of the increment over its step.
     ///
     /// # Errors
-    /// When the log is faulty or cannot be read, and when `out` cannot be written.
+    /// When the log is faulty or cannot be read. When `out` cannot be written, or what changes stands in the file as it cannot be written:
+    /// packed, or as whole numbers.
     pub fn rewrite(
         &self,
         out: &mut (dyn Write + Send),
         correct: &mut dyn FnMut(&Sample) -> Increments,
     ) -> Result<io::Result<()>, LogError> {
-        self.can_be_rewritten()?;
         let slots = [Group::DTHETA, Group::GYRO_PULSE, Group::DVEL, Group::ACCEL_PULSE];
         let places = slots.into_iter().flat_map(Group::slots).filter_map(|slot| self.table.place(slot));
-        let mut sheet: Box<dyn Sheet + '_> = match self.table.format() {
-            Format::Parquet => {
+        let mut sheet: Box<dyn Sheet + '_> = match (self.table.kind(), in_place(self.table.kind())) {
+            (Kind::Parquet, _) => {
                 let variables: Vec<usize> = places.map(|(column, _)| column.variable).collect();
                 match Columns::open(self.table(), out, &variables) {
                     Ok(sheet) => Box::new(sheet),
                     Err(error) => return Ok(Err(error)),
                 }
             }
-            #[cfg(feature = "npz")]
-            Format::Npz => Box::new(arrays::Arrays::new(self.table(), out, numpy::archive)),
-            #[cfg(feature = "npz")]
-            Format::Npy => Box::new(arrays::Arrays::new(self.table(), out, numpy::array)),
-            #[cfg(feature = "hdf5")]
-            Format::Hdf5 => Box::new(arrays::Arrays::new(self.table(), out, crate::hdf5::rewritten)),
-            #[cfg(feature = "ulog")]
-            Format::Ulog => Box::new(arrays::Arrays::new(self.table(), out, crate::topics::ulog::rewritten)),
-            #[cfg(feature = "mat")]
-            Format::Mat => Box::new(arrays::Arrays::new(self.table(), out, crate::mat5::rewritten)),
+            (_, Some(rewritten)) => Box::new(Arrays::new(self.table(), out, rewritten)),
             _ => Box::new(Text::open(self.table(), out)?),
         };
         let mut samples = self.samples()?;

@@ -7,13 +7,15 @@
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{BufReader, Read};
+use std::ops::Range;
 use std::path::Path;
 
 use super::messages::{Encoding, Topic};
-use super::{LONGEST, Topics, block, length};
+use super::{LONGEST, Rewriting, Topics, block, length};
 use crate::arrays::Named;
 use crate::fault::LogError;
 use crate::guard::guarded;
+use crate::rewrite::arrays::{Changes, whole};
 
 /// What a bag begins with.
 const MAGIC: &[u8; 13] = b"#ROSBAG V2.0\n";
@@ -41,6 +43,55 @@ pub(crate) fn open(path: &Path) -> Result<(Topics, Vec<Named>), LogError> {
             .help("`rosbag reindex` and `rosbag fix` mend bags; version 2.0 is read here")
     })?;
     Ok(bag.topics.named())
+}
+
+/// The bytes of a bag with other numbers in some of its messages. Everything else stays as it is.
+pub(crate) fn rewritten(path: &Path, changes: &Changes) -> Result<Vec<u8>, String> {
+    let mut bytes = whole(path)?;
+    let mut bag = Bag::default();
+    bag.records(&mut bytes.get(MAGIC.len()..).unwrap_or_default(), true)?;
+    let mut messages = Vec::new();
+    find(&bytes, MAGIC.len()..bytes.len(), true, &mut messages)?;
+    let mut rewriting = Rewriting::new(bag.topics, changes)?;
+    for (connection, message) in messages {
+        if let Some(Some(topic)) = bag.connections.get(&connection) {
+            topic.write(&mut rewriting, &mut bytes[message])?;
+        }
+    }
+    rewriting.finish()?;
+    Ok(bytes)
+}
+
+/// Connection and place of the messages in a part of a bag, which has been read.
+fn find(
+    bytes: &[u8],
+    part: Range<usize>,
+    outer: bool,
+    messages: &mut Vec<(u32, Range<usize>)>,
+) -> Result<(), String> {
+    let mut at = part.start;
+    while at < part.end {
+        let mut rest = &bytes[at..part.end];
+        let long = length(&mut rest)?.unwrap_or_default();
+        let fields = Fields(block(&mut rest, long.into(), LONGEST_FIELDS)?);
+        let long = length(&mut rest)?.unwrap_or_default() as usize;
+        let first = part.end - rest.len();
+        at = first.saturating_add(long);
+        if at > part.end {
+            return Err("it is cut off".into());
+        }
+        match fields.get("op") {
+            Some([CHUNK]) if outer && fields.get("compression") == Some(b"none") => {
+                find(bytes, first..at, false, messages)?;
+            }
+            Some([CHUNK]) if outer => {
+                return Err("its chunks are packed: `rosbag decompress` unpacks them, and what it writes is written here".into());
+            }
+            Some([MESSAGE]) => messages.extend(fields.number("conn").map(|of| (of, first..at))),
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// A bag as far as it was read.

@@ -6,13 +6,15 @@
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{BufReader, Read};
+use std::ops::Range;
 use std::path::Path;
 
 use super::messages::{Encoding, Topic};
-use super::{LONGEST, Topics, block};
+use super::{LONGEST, Rewriting, Topics, block};
 use crate::arrays::Named;
 use crate::fault::LogError;
 use crate::guard::guarded;
+use crate::rewrite::arrays::{Changes, whole};
 
 /// What a recording begins with.
 const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
@@ -46,6 +48,75 @@ pub(crate) fn open(path: &Path) -> Result<(Topics, Vec<Named>), LogError> {
     })?;
     Ok(recording.topics.named())
 }
+
+/// The bytes of a recording with other numbers in some of its messages, and without the checksums of what these stand in. Everything
+/// else stays as it is.
+pub(crate) fn rewritten(path: &Path, changes: &Changes) -> Result<Vec<u8>, String> {
+    let mut bytes = whole(path)?;
+    let mut recording = Recording::default();
+    recording.records(&mut bytes.get(MAGIC.len()..).unwrap_or_default(), true)?;
+    let mut found = Found::default();
+    found.records(&bytes, MAGIC.len()..bytes.len(), true)?;
+    let mut rewriting = Rewriting::new(recording.topics, changes)?;
+    for (channel, message) in found.messages {
+        if let Some(Some(topic)) = recording.channels.get(&channel) {
+            topic.write(&mut rewriting, &mut bytes[message])?;
+        }
+    }
+    rewriting.finish()?;
+    // which says that there is none
+    found.checksums.into_iter().for_each(|checksum| bytes[checksum].fill(0));
+    Ok(bytes)
+}
+
+/// Where things stand in a recording.
+#[derive(Default)]
+struct Found {
+    /// Channel and place of the messages.
+    messages: Vec<(u16, Range<usize>)>,
+    /// Places of the checksums of chunks and of all data.
+    checksums: Vec<Range<usize>>,
+}
+
+impl Found {
+    /// Finds what stands in a part of a recording, which has been read.
+    fn records(&mut self, bytes: &[u8], part: Range<usize>, outer: bool) -> Result<(), String> {
+        let mut at = part.start;
+        while let Some([operation, length @ ..]) = bytes[at..part.end].first_chunk::<9>() {
+            let length = usize::try_from(u64::from_le_bytes(*length)).ok();
+            let first = at + 9;
+            at = length.and_then(|length| first.checked_add(length)).ok_or("a record is too long")?;
+            let data = bytes.get(first..at).filter(|_| at <= part.end).ok_or("it is cut off")?;
+            let mut fields = Fields(data);
+            match *operation {
+                MESSAGE => self.messages.push((fields.short()?, first + MESSAGE_HEAD..at)),
+                CHUNK if outer => {
+                    let checksum = first + CHUNK_TIMES;
+                    fields.take::<CHUNK_TIMES>()?;
+                    fields.take::<4>()?;
+                    if !fields.text()?.is_empty() {
+                        return Err(
+                            "its chunks are packed: `mcap decompress` unpacks them, and what it writes is written here".into()
+                        );
+                    }
+                    fields.take::<8>()?;
+                    self.checksums.push(checksum..checksum + 4);
+                    self.records(bytes, at - fields.0.len()..at, false)?;
+                }
+                DATA_END if outer => {
+                    fields.take::<4>()?;
+                    self.checksums.push(first..first + 4);
+                    return Ok(());
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Of a chunk before its checksum: times of its first and last message, and its size.
+const CHUNK_TIMES: usize = 8 + 8 + 8;
 
 /// A recording as far as it was read.
 #[derive(Default)]

@@ -1,6 +1,6 @@
 //! Messages of ROS, as ROS 1 and ROS 2 (CDR) write them, as far as they say something about motion.
 
-use super::Topics;
+use super::{Rewriting, Topics};
 
 /// What comes one after the other in a message, behind its header.
 #[derive(Clone, Copy)]
@@ -93,6 +93,28 @@ impl Topic {
 
     /// Reads a message.
     pub(super) fn read(&self, topics: &mut Topics, message: &[u8]) -> Result<(), String> {
+        self.walk(message, &mut |place, numbers, _| topics.push(place, numbers))
+    }
+
+    /// Writes what will be into a message.
+    pub(super) fn write(&self, rewriting: &mut Rewriting<'_>, message: &mut [u8]) -> Result<(), String> {
+        let mut written = Vec::new();
+        self.walk(message, &mut |place, _, at| {
+            if let Some(numbers) = rewriting.next(place)? {
+                let at = at.ok_or("what changes in it are no plain numbers")?;
+                written.push((at, numbers.iter().flat_map(|number| number.to_le_bytes()).collect()));
+            }
+            Ok(())
+        })?;
+        for (at, bytes) in written {
+            let bytes: Vec<u8> = bytes;
+            message[at..at + bytes.len()].copy_from_slice(&bytes);
+        }
+        Ok(())
+    }
+
+    /// Hands over the fields of a message: place, numbers, and where these stand if as they are.
+    fn walk(&self, message: &[u8], each: Each<'_>) -> Result<(), String> {
         let mut cursor = Cursor::new(message, self.encoding)?;
         if self.encoding == Encoding::Ros1 {
             // the number of the message
@@ -100,12 +122,17 @@ impl Topic {
         }
         let (secs, nanos) = (cursor.integer()?, cursor.integer()?);
         cursor.text()?;
-        topics.push(self.first, &[secs.into()])?;
-        topics.push(self.first + 1, &[nanos.into()])?;
+        each(self.first, &[secs.into()], None)?;
+        each(self.first + 1, &[nanos.into()], None)?;
         let mut place = self.first + 2;
         for part in self.parts {
+            let mut at = None;
             let numbers = match *part {
-                Numbers(_, width) => cursor.numbers(width)?,
+                Numbers(_, width) => {
+                    let numbers = cursor.numbers(width)?;
+                    at = Some(cursor.passed() - width * size_of::<f64>());
+                    numbers
+                }
                 Quaternion(_) => {
                     let mut numbers = cursor.numbers(4)?;
                     numbers.rotate_right(1);
@@ -121,12 +148,18 @@ impl Topic {
                     continue;
                 }
             };
-            topics.push(place, &numbers)?;
+            each(place, &numbers, at)?;
             place += 1;
         }
         Ok(())
     }
 }
+
+/// Is handed a field.
+type Each<'a> = &'a mut dyn FnMut(usize, &[f64], Option<usize>) -> Result<(), String>;
+
+/// What says how a message is written in CDR, bytes.
+const CDR_HEAD: usize = 4;
 
 /// Where reading a message stands.
 struct Cursor<'a> {
@@ -144,6 +177,11 @@ impl<'a> Cursor<'a> {
                 _ => Err("a message is not written in little-endian CDR".into()),
             },
         }
+    }
+
+    /// Bytes of the message up to here.
+    fn passed(&self) -> usize {
+        self.at + if self.aligned { CDR_HEAD } else { 0 }
     }
 
     fn take<const N: usize>(&mut self, align: usize) -> Result<[u8; N], String> {

@@ -15,6 +15,7 @@ pub(super) mod ulog;
 use std::io::Read;
 
 use super::arrays::{Arrays, LARGEST, MOST_VARIABLES, Named};
+use super::rewrite::arrays::Changes;
 
 /// The numbers of all topics that may matter to a log.
 #[derive(Default)]
@@ -38,13 +39,47 @@ impl Series {
     fn dims(&self) -> Vec<u64> {
         vec![self.rows() as u64, self.width as u64]
     }
+}
 
-    /// The numbers of a message.
-    #[cfg(feature = "ulog")]
-    fn row(&self, row: usize) -> Option<&[f64]> {
-        self.numbers.get(row * self.width..(row + 1) * self.width)
+/// The numbers of a recording as they will be, message after message.
+struct Rewriting<'a> {
+    topics: Topics,
+    changes: &'a Changes,
+    /// How many messages of each field have been asked for.
+    rows: Vec<usize>,
+}
+
+impl<'a> Rewriting<'a> {
+    fn new(mut topics: Topics, changes: &'a Changes) -> Result<Self, String> {
+        for (place, series) in topics.series.iter_mut().enumerate().filter(|(place, _)| changes.has(*place)) {
+            changes.apply(place, &series.dims(), &mut series.numbers)?;
+        }
+        Ok(Self { rows: vec![0; topics.series.len()], topics, changes })
+    }
+
+    /// What the next message has in a field; nothing where that does not change.
+    fn next(&mut self, place: usize) -> Result<Option<&[f64]>, String> {
+        if !self.changes.has(place) {
+            return Ok(None);
+        }
+        let (row, series) = (self.rows[place], &self.topics.series[place]);
+        self.rows[place] += 1;
+        let numbers = series.numbers.get(row * series.width..(row + 1) * series.width);
+        numbers.map(Some).ok_or_else(|| MEANWHILE.to_owned())
+    }
+
+    /// Whether every message that was read has been asked for.
+    fn finish(self) -> Result<(), String> {
+        let series = self.topics.series.iter().enumerate().zip(self.rows);
+        let whole = |((place, series), rows): ((usize, &Series), usize)| {
+            !self.changes.has(place) || series.rows() == rows
+        };
+        if series.into_iter().all(whole) { Ok(()) } else { Err(MEANWHILE.into()) }
     }
 }
+
+/// Why what was read and what is written do not go together.
+const MEANWHILE: &str = "its messages do not follow each other as they were read";
 
 impl Topics {
     /// Begins a field with so many numbers in each message; its place.

@@ -194,32 +194,76 @@ fn recordings_are_read_without_a_map() -> Done {
     Ok(())
 }
 
-#[test]
-fn a_ulog_is_written_with_other_rates_and_forces_and_nothing_else() -> Done {
-    let folder = tempfile::tempdir()?;
-    let path = folder.path().join("log.ulg");
-    std::fs::write(&path, ulog())?;
-    std::fs::write(path.with_extension("toml"), DESCRIPTION)?;
-    let (turn, pull) = (Vector3::new(1e-5, -2e-5, 3e-5), Vector3::new(-1e-3, 2e-3, 3e-3));
+/// A recording with more turn and pull in each step.
+fn rewritten(name: &str, bytes: &[u8], turn: &Vector3<f64>, pull: &Vector3<f64>) -> Result<Vec<u8>, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).expect("written");
+    std::fs::write(path.with_extension("toml"), DESCRIPTION).expect("written");
+    let told = |fault: LogError| fault.messages().join("\n");
+    let log = Log::open(&path, &Reading::default()).map_err(told)?;
     let mut written = Vec::new();
-    let log = Log::open(&path, &Reading::default())?;
-    log.rewrite(&mut written, &mut |sample| (sample.dtheta + turn, sample.dvel + pull))??;
+    log.rewrite(&mut written, &mut |sample| (sample.dtheta + turn, sample.dvel + pull))
+        .map_err(told)?
+        .map_err(|error| error.to_string())?;
+    Ok(written)
+}
 
-    let (before, after) = (read("log.ulg", &ulog())?, read("log.ulg", &written)?);
-    assert_eq!(before.len(), after.len());
-    for (before, after) in before.iter().zip(&after) {
-        assert_eq!(before.0, after.0);
-        // as far as floats of 24 bits go
-        assert!((after.1 - before.1 - turn / 0.005).norm() < 1e-8, "{before:?} {after:?}");
-        assert!((after.2 - before.2 - pull / 0.005).norm() < 1e-5, "{before:?} {after:?}");
-    }
-    // length and kind, number and stamp; rates; another number; forces
-    const MESSAGE: usize = 3 + 10 + 12 + 4 + 12;
-    let first = written.len() - ROWS as usize * MESSAGE;
-    for (at, _) in ulog().iter().zip(&written).enumerate().filter(|(_, (old, new))| old != new) {
-        assert!(at >= first && matches!((at - first) % MESSAGE, 13..25 | 29..41), "{at}");
+#[test]
+fn recordings_are_written_with_other_rates_and_forces_and_nothing_else() -> Done {
+    let (turn, pull) = (Vector3::new(1e-5, -2e-5, 3e-5), Vector3::new(-1e-3, 2e-3, 3e-3));
+    for (name, bytes, digits, size) in [
+        ("log.bag", bag("none"), 1e-12, 8),
+        ("log.mcap", mcap("", true), 1e-12, 8),
+        ("log.mcap", mcap("", false), 1e-12, 8),
+        ("log.ulg", ulog(), 1e-6, 4),
+    ] {
+        let written =
+            rewritten(name, &bytes, &turn, &pull).map_err(|problem| format!("{name}: {problem}"))?;
+        let (before, after) = (read(name, &bytes)?, read(name, &written)?);
+        assert_eq!(before.len(), after.len(), "{name}");
+        for (before, after) in before.iter().zip(&after) {
+            assert_eq!(before.0, after.0, "{name}");
+            assert!(
+                (after.1 - before.1 - turn / 0.005).norm() < digits * 1e-2,
+                "{name}: {before:?} {after:?}"
+            );
+            assert!(
+                (after.2 - before.2 - pull / 0.005).norm() < digits * 10.0,
+                "{name}: {before:?} {after:?}"
+            );
+        }
+        let others = bytes.iter().zip(&written).filter(|(old, new)| old != new).count();
+        assert!(written.len() == bytes.len() && others <= 6 * size * ROWS as usize, "{name}: {others}");
+        // and nothing where nothing is taken out
+        assert_eq!(rewritten(name, &bytes, &Vector3::zeros(), &Vector3::zeros())?, bytes, "{name}");
     }
     Ok(())
+}
+
+#[test]
+fn checksums_of_what_was_written_are_taken_out() -> Done {
+    let (bytes, none) = (mcap("", true), Vector3::zeros());
+    let mut with = bytes.clone();
+    // of the chunk: behind the magic, a header of 9 + 4 + 4 + 4 + 1 bytes, the head of the record and three numbers; of all data
+    let (chunk, data) = (8 + 22 + 9 + 24, bytes.len() - 8 - 4);
+    for at in [chunk, data] {
+        assert_eq!(with[at..at + 4], [0; 4]);
+        with[at..at + 4].fill(7);
+    }
+    assert_eq!(rewritten("log.mcap", &with, &none, &none)?, bytes);
+    Ok(())
+}
+
+#[test]
+fn what_is_packed_is_read_and_not_written() {
+    for (name, bytes, part) in [
+        ("log.bag", bag("lz4"), "`rosbag decompress` unpacks them"),
+        ("log.mcap", mcap("zstd", true), "`mcap decompress` unpacks them"),
+    ] {
+        let fault = rewritten(name, &bytes, &Vector3::zeros(), &Vector3::zeros()).expect_err(name);
+        assert!(fault.contains(part), "{name}: {fault}");
+    }
 }
 
 #[test]

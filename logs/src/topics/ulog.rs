@@ -10,11 +10,11 @@ use std::path::Path;
 use px4_ulog::stream_parser::LogParser;
 use px4_ulog::stream_parser::model::{DataMessage, FlattenedField, FlattenedFieldType};
 
-use super::Topics;
-use crate::arrays::{LARGEST, Named};
+use super::{Rewriting, Topics};
+use crate::arrays::Named;
 use crate::fault::LogError;
 use crate::guard::guarded;
-use crate::rewrite::arrays::Changes;
+use crate::rewrite::arrays::{Changes, whole};
 
 /// Topics that may matter: those whose names begin so.
 const TOPICS: [&str; 12] = [
@@ -57,34 +57,20 @@ type Fields = HashMap<u16, Vec<Field>>;
 
 /// The bytes of a file with other numbers in some of its fields. Everything else stays as it is.
 pub(crate) fn rewritten(path: &Path, changes: &Changes) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::new();
-    let mut file = File::open(path).map_err(|error| error.to_string())?.take(LARGEST + 1);
-    file.read_to_end(&mut bytes).map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > LARGEST {
-        return Err(format!("it is larger than {} GiB: record a shorter one", LARGEST >> 30));
-    }
-    let (mut topics, fields) = read(&mut bytes.as_slice())?;
-    for (place, series) in topics.series.iter_mut().enumerate().filter(|(place, _)| changes.has(*place)) {
-        changes.apply(place, &series.dims(), &mut series.numbers)?;
-    }
-    let mut rows = vec![0; topics.series.len()];
+    let mut bytes = whole(path)?;
+    let (topics, fields) = read(&mut bytes.as_slice())?;
+    let mut rewriting = Rewriting::new(topics, changes)?;
     for (id, data) in data_messages(&bytes) {
-        for field in fields.get(&id).into_iter().flatten().filter(|field| changes.has(field.place)) {
-            let numbers = topics.series[field.place].row(rows[field.place]);
-            rows[field.place] += 1;
-            let data = &mut bytes[data.clone()];
-            for (element, number) in field.elements.iter().zip(numbers.ok_or(MEANWHILE)?) {
-                put(data, element, *number)?;
+        for field in fields.get(&id).into_iter().flatten() {
+            let numbers = rewriting.next(field.place)?.unwrap_or_default();
+            for (element, number) in field.elements.iter().zip(numbers) {
+                put(&mut bytes[data.clone()], element, *number)?;
             }
         }
     }
-    let whole =
-        |(place, series): (usize, &super::Series)| !changes.has(place) || series.rows() == rows[place];
-    if topics.series.iter().enumerate().all(whole) { Ok(bytes) } else { Err(MEANWHILE.into()) }
+    rewriting.finish()?;
+    Ok(bytes)
 }
-
-/// Why what was read and what is written do not go together.
-const MEANWHILE: &str = "its messages do not follow each other as they were read";
 
 /// What stands before the first message, bytes.
 const HEADER: usize = 16;
