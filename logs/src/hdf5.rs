@@ -90,11 +90,11 @@ pub(super) fn rewritten(path: &Path, changes: &Changes) -> Result<Vec<u8>, Strin
 /// Where the numbers of a dataset stand in the file, if in one piece.
 fn place(file: &Hdf5File, dataset: &Dataset) -> Result<Option<Range<usize>>, String> {
     let header = file.get_or_parse_header(dataset.address()).map_err(|error| error.to_string())?;
-    let layouts = header.messages.iter().filter_map(|message| match message {
+    let layout = header.messages.iter().find_map(|message| match message {
         HdfMessage::DataLayout(message) => Some(&message.layout),
         _ => None,
     });
-    Ok(layouts.last().and_then(|layout| match layout {
+    Ok(layout.and_then(|layout| match layout {
         DataLayout::Contiguous { address, size } => {
             let first = usize::try_from(file.superblock().base_address.checked_add(*address)?).ok()?;
             Some(first..first.checked_add(usize::try_from(*size).ok()?)?)
