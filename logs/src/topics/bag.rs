@@ -85,7 +85,7 @@ fn find(
                 find(bytes, first..at, false, messages)?;
             }
             Some([CHUNK]) if outer => {
-                return Err("its chunks are packed: `rosbag decompress` unpacks them, and what it writes is written here".into());
+                return Err("the chunks of the log are packed: `rosbag decompress` unpacks them, and what it writes is written here".into());
             }
             Some([MESSAGE]) => messages.extend(fields.number("conn").map(|of| (of, first..at))),
             _ => {}

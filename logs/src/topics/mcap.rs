@@ -96,7 +96,7 @@ impl Found {
                     fields.take::<4>()?;
                     if !fields.text()?.is_empty() {
                         return Err(
-                            "its chunks are packed: `mcap decompress` unpacks them, and what it writes is written here".into()
+                            "the chunks of the log are packed: `mcap decompress` unpacks them, and what it writes is written here".into()
                         );
                     }
                     fields.take::<8>()?;
