@@ -46,23 +46,23 @@ trait Sheet {
 
 /// What changes the arrays of a kind of file that this build reads, where it is one of arrays.
 fn in_place(kind: Kind) -> Option<Rewritten> {
-    Some(match kind {
+    match kind {
         #[cfg(feature = "npz")]
-        Kind::Npz => numpy::archive,
+        Kind::Npz => Some(numpy::archive),
         #[cfg(feature = "npz")]
-        Kind::Npy => numpy::array,
+        Kind::Npy => Some(numpy::array),
         #[cfg(feature = "mat")]
-        Kind::Mat => super::mat5::rewritten,
+        Kind::Mat => Some(super::mat5::rewritten),
         #[cfg(feature = "hdf5")]
-        Kind::Hdf5 => super::hdf5::rewritten,
+        Kind::Hdf5 => Some(super::hdf5::rewritten),
         #[cfg(feature = "mcap")]
-        Kind::Mcap => super::topics::mcap::rewritten,
+        Kind::Mcap => Some(super::topics::mcap::rewritten),
         #[cfg(feature = "bag")]
-        Kind::Bag => super::topics::bag::rewritten,
+        Kind::Bag => Some(super::topics::bag::rewritten),
         #[cfg(feature = "ulog")]
-        Kind::Ulog => super::topics::ulog::rewritten,
-        _ => return None,
-    })
+        Kind::Ulog => Some(super::topics::ulog::rewritten),
+        _ => None,
+    }
 }
 
 impl Log {

@@ -57,6 +57,7 @@ pub(super) enum Encoding {
     /// One after the other.
     Ros1,
     /// Each at a multiple of its size, after four bytes that say so.
+    #[cfg_attr(not(feature = "mcap"), allow(dead_code, reason = "ROS 2 records MCAP"))]
     Cdr,
 }
 

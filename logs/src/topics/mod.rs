@@ -126,7 +126,7 @@ impl Arrays for Topics {
 const LONGEST: u64 = 256 << 20;
 
 /// The length of what follows; nothing at the end.
-#[cfg(any(feature = "bag", feature = "mcap"))]
+#[cfg(feature = "bag")]
 fn length(bytes: &mut dyn Read) -> Result<Option<u32>, String> {
     let mut length = Vec::new();
     bytes.take(4).read_to_end(&mut length).map_err(|error| error.to_string())?;
