@@ -63,4 +63,33 @@ impl Plan {
         scenario.reference.attitude = false;
         scenario
     }
+
+    /// How long a unit is aligned before it navigates, s: no more than half of the time.
+    pub(crate) fn aligning(&self) -> f64 {
+        self.alignment.min(0.5 * self.hours * 3600.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn navigation_is_another_day_as_long_as_asked_for() -> Result<(), ScenarioError> {
+        let motion = Plan::paper_swing()?;
+        let scenario = Scenario::default();
+        let plan = |alignment| Plan {
+            scenario: scenario.clone(),
+            filters: Vec::new(),
+            passes: 1,
+            hours: 2.0,
+            alignment,
+            motion: motion.clone(),
+        };
+        let navigation = plan(100.0).navigation();
+        assert_eq!((navigation.motion.duration, navigation.run), (7200.0, scenario.run + 1));
+        assert!(!navigation.reference.readings && !navigation.reference.attitude);
+        assert_eq!((plan(100.0).aligning(), plan(1e6).aligning()), (100.0, 3600.0));
+        Ok(())
+    }
 }

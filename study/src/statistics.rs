@@ -106,6 +106,15 @@ mod tests {
     }
 
     #[test]
+    fn the_interval_of_a_ratio_holds_it_and_is_as_wide_as_the_median_is_uncertain() {
+        let above: Vec<f64> = (1..=9).map(f64::from).collect();
+        let (ratio, [low, high]) = ratio_of_medians(&above, &[0.5; 9]);
+        assert_eq!(ratio, 10.0);
+        // of nine numbers the second to fourth and the sixth to eighth bound the median in 95 cases of 100
+        assert!((4.0..=8.0).contains(&low) && (12.0..=16.0).contains(&high), "{low} {high}");
+    }
+
+    #[test]
     fn what_is_no_number_is_not_passed_over() {
         for nan in [f64::NAN, -f64::NAN] {
             assert!(largest([1.0, nan, 2.0]).is_nan());

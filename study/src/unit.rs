@@ -143,9 +143,8 @@ impl Plan {
             .collect();
         let setup = description.setup(&[]);
         let board = || calibrations.iter().map(|calibrated| calibrated.pilot(&setup)).collect();
-        let align = self.alignment.min(0.5 * self.hours * 3600.0);
-        let (flights, _) =
-            navigate(&Simulated(simulation), &board, align).map_err(|error| Trouble::Run { unit, error })?;
+        let (flights, _) = navigate(&Simulated(simulation), &board, self.aligning())
+            .map_err(|error| Trouble::Run { unit, error })?;
         Ok(flights)
     }
 }
